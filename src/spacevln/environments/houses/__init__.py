@@ -1,0 +1,1 @@
+"""Procedural furnished houses: seeded, deterministic, rendered by MuJoCo (DESIGN 5.1)."""
