@@ -1,0 +1,309 @@
+"""The record's format (docs/record-format.md): one pydantic model per line of ``events.jsonl`` and one per JSON file.
+
+Images are files beside the events; a line holds their names. Numbers that are not finite are the strings ``"Infinity"``,
+``"-Infinity"`` and ``"NaN"``, so that every line is strict JSON.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+
+from spacevln.core import (
+    AdmissibleActions,
+    ArrangedWaypoint,
+    EpisodeStatus,
+    ExecutorThought,
+    Frontier,
+    LandmarkPool,
+    Motion,
+    ObstacleDistances,
+    PlannerThought,
+    Pose,
+    Sighting,
+    SpatialWaypoint,
+    StopReason,
+    Subtask,
+    TurnPurpose,
+)
+
+FORMAT: Literal["spacevln-record/1.0"] = "spacevln-record/1.0"
+"""Name and version of the format; the first number changes when an older reader cannot read it."""
+
+
+class Record(BaseModel):
+    """Base of everything in a record."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="strings", arbitrary_types_allowed=False)
+
+
+class EpisodeStartedLine(Record):
+    """The environment was reset. ``start`` is in the scene frame, every other pose in the episode frame."""
+
+    event: Literal["episode_started"] = "episode_started"
+    time_s: float
+    episode_id: str
+    scene: str
+    start: Pose
+    task_kind: Literal["vln", "objectnav"]
+    task_text: str
+
+
+class StepTakenLine(Record):
+    """One environment step."""
+
+    event: Literal["step_taken"] = "step_taken"
+    time_s: float
+    step: int
+    stage: int
+    phase: str
+    action: str
+    motion: Motion
+    pose: Pose
+    rgb: str | None
+    depth: str | None
+    sightings: tuple[Sighting, ...]
+
+
+class ViewLine(Record):
+    """One view of a look-around; ``rgb`` names the image of the step that took it."""
+
+    label: str
+    heading_rad: float
+    rgb: str | None
+    obstacle_m: float
+    sightings: tuple[Sighting, ...]
+
+
+class MemoryLine(Record):
+    """Psi_k, the planner's view of Spatial Cognitive Memory."""
+
+    pose: Pose
+    floor: int
+    region: str
+    waypoints: tuple[ArrangedWaypoint, ...]
+    chain: tuple[int, ...]
+    text: str
+    map_image: str | None
+    frontiers: tuple[Frontier, ...]
+
+
+class LookedAroundLine(Record):
+    """What the planner saw at a planning boundary."""
+
+    event: Literal["looked_around"] = "looked_around"
+    time_s: float
+    stage: int
+    views: tuple[ViewLine, ...]
+    memory: MemoryLine | None
+
+
+class ReplyRefusedLine(Record):
+    """A reply was rejected."""
+
+    event: Literal["reply_refused"] = "reply_refused"
+    time_s: float
+    stage: int
+    role: str
+    kind: str
+    reason: str
+
+
+class SubtaskIssuedLine(Record):
+    """sigma_k was validated."""
+
+    event: Literal["subtask_issued"] = "subtask_issued"
+    time_s: float
+    stage: int
+    subtask: Subtask
+    thought: PlannerThought
+    seconds: float
+
+
+class WaypointAddedLine(Record):
+    """w_k joined graph and chain."""
+
+    event: Literal["waypoint_added"] = "waypoint_added"
+    time_s: float
+    stage: int
+    waypoint: SpatialWaypoint
+
+
+class DecisionMadeLine(Record):
+    """The executor chose an admissible action."""
+
+    event: Literal["decision_made"] = "decision_made"
+    time_s: float
+    stage: int
+    decision: int
+    action: str
+    purpose: TurnPurpose | None
+    thought: ExecutorThought
+    obstacles: ObstacleDistances
+    pool: LandmarkPool
+    admissible: AdmissibleActions
+    seconds: float
+
+
+class ExecutedLine(Record):
+    """One executed decision inside F_k."""
+
+    asked: str
+    purpose: TurnPurpose | None
+    moved_m: float
+    turned_rad: float
+    primitives: int
+    stalled: bool
+    interrupted: bool
+
+
+class StageEndedLine(Record):
+    """Control went back to the planner with F_k."""
+
+    event: Literal["stage_ended"] = "stage_ended"
+    time_s: float
+    stage: int
+    end: str
+    start: Pose
+    pose: Pose
+    decisions: tuple[ExecutedLine, ...]
+    pool: LandmarkPool
+
+
+class FallbackUsedLine(Record):
+    """A substitute decision was taken."""
+
+    event: Literal["fallback_used"] = "fallback_used"
+    time_s: float
+    stage: int
+    kind: str
+    detail: str
+
+
+class GateAskedLine(Record):
+    """The episode gate judged a finish."""
+
+    event: Literal["gate_asked"] = "gate_asked"
+    time_s: float
+    stage: int
+    accepted: bool
+    clauses: tuple[tuple[str, bool], ...]
+
+
+class EpisodeEndedLine(Record):
+    """The episode is over."""
+
+    event: Literal["episode_ended"] = "episode_ended"
+    time_s: float
+    status: EpisodeStatus
+    stop_reason: StopReason
+    stopped: bool
+    detail: str
+    pose: Pose
+    steps: int
+    lookaround_steps: int
+    align_steps: int
+    collisions: int
+    stages: int
+    seconds: float
+
+
+EventLine = Annotated[
+    EpisodeStartedLine
+    | StepTakenLine
+    | LookedAroundLine
+    | ReplyRefusedLine
+    | SubtaskIssuedLine
+    | WaypointAddedLine
+    | DecisionMadeLine
+    | StageEndedLine
+    | FallbackUsedLine
+    | GateAskedLine
+    | EpisodeEndedLine,
+    Field(discriminator="event"),
+]
+
+EVENT_LINE: TypeAdapter[EventLine] = TypeAdapter(EventLine)
+
+
+class Metrics(Record):
+    """Metrics of one episode; null where there is no truth (a free instruction) or where the value is infinite.
+
+    ``SR``, ``SPL``, ``OSR``, ``nDTW``, ``SDTW`` and ``SoftSPL`` are 0 to 1, ``NE`` and ``path_length`` metres.
+    """
+
+    SR: float | None = None
+    SPL: float | None = None
+    OSR: float | None = None
+    NE: float | None = None
+    nDTW: float | None = None
+    SDTW: float | None = None
+    SoftSPL: float | None = None
+    path_length: float
+    steps: int
+    lookaround_steps: int
+    align_steps: int
+    collisions: int
+    stages: int
+    rejections: int
+    fallbacks: int
+
+
+class Truth(Record):
+    """What evaluation knows and the agent does not, in the scene frame: for tables and viewers."""
+
+    goals: tuple[tuple[float, float, float], ...]
+    shortest_path: tuple[tuple[float, float, float], ...]
+    geodesic_m: float
+    final_distance_m: float
+
+
+class ResultFile(Record):
+    """``result.json``: written once, atomically; the first result of an episode stands.
+
+    ``timing_s`` and ``restarts`` are the only fields that may differ when an episode is repeated.
+    """
+
+    format: Literal["spacevln-record/1.0"] = FORMAT
+    episode_id: str
+    scene: str
+    task_kind: Literal["vln", "objectnav"]
+    task_text: str
+    status: EpisodeStatus
+    stop_reason: StopReason
+    forced_stop: bool
+    detail: str
+    metrics: Metrics
+    truth: Truth | None
+    tags: dict[str, str | float | int | bool] = {}
+    timing_s: float
+    restarts: int = 0
+
+
+class RunFile(Record):
+    """``run.json``: what ran."""
+
+    format: Literal["spacevln-record/1.0"] = FORMAT
+    version: str
+    suite: str
+    created: str
+    command: tuple[str, ...]
+    configuration: dict[str, Any]
+    configuration_hash: str
+    packages: dict[str, str]
+    python: str
+    platform: str
+    git_revision: str | None
+
+
+class SummaryFile(Record):
+    """``summary.json``: means over every attempted episode (DESIGN 8); percent for SR, SPL, OSR and nDTW, metres for NE."""
+
+    episodes: int
+    metrics: dict[str, float | None]
+    statuses: dict[str, int]
+    stop_reasons: dict[str, int]
+    rejections: int
+    fallbacks: int
+    unreachable: int
