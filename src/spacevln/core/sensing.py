@@ -152,6 +152,8 @@ class Sighting:
         extent_m: horizontal extent of the seen surface.
         is_passage: the depth profile shows a way through (openings only).
         pixels: number of mask pixels with depth.
+        surface_m: a few horizontal points (x, y) of the seen surface, nearest of each direction; of a passage, points across
+            its threshold from jamb to jamb, the first and the last being the jambs.
     """
 
     category: str
@@ -164,3 +166,4 @@ class Sighting:
     attributes: tuple[str, ...] = ()
     is_passage: bool = False
     pixels: int = 0
+    surface_m: tuple[tuple[float, float], ...] = ()
