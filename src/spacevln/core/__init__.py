@@ -1,4 +1,4 @@
-"""Types of every seam: geometry, sensing, actions, task, stages, contexts, events, interfaces, errors. numpy and the standard library only."""
+"""Types of every seam: geometry, sensing, actions, task, stages, contexts, events, interfaces, errors."""
 
 from spacevln.core.actions import (
     Action,
@@ -41,6 +41,7 @@ from spacevln.core.events import (
     FallbackUsed,
     GateAsked,
     LookedAround,
+    MapSaved,
     ReplyRefused,
     StageEnded,
     StepTaken,
@@ -73,6 +74,7 @@ from spacevln.core.sensing import (
 from spacevln.core.spatial import (
     ArrangedWaypoint,
     EgocentricMemory,
+    FloorMap,
     Frontier,
     LandmarkCue,
     Mark,
@@ -130,6 +132,7 @@ __all__ = [
     "ExecutorThought",
     "FallbackUsed",
     "Feedback",
+    "FloorMap",
     "Frontier",
     "GateAsked",
     "InstanceLabel",
@@ -139,6 +142,7 @@ __all__ = [
     "LandmarkCue",
     "LandmarkPool",
     "LookedAround",
+    "MapSaved",
     "Mark",
     "ModelError",
     "Motion",

@@ -1,4 +1,4 @@
-"""Primitive actions, executor decisions and what the body really did (paper Sec. "Stagewise Closed-Loop Navigation Interface")."""
+"""Primitive actions, executor decisions and what the body really did (paper, "Stagewise Closed-Loop Navigation Interface")."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from spacevln.core.actions import Action, Motion, TurnPurpose
 from spacevln.core.contexts import AdmissibleActions, ExecutorThought, ObstacleDistances, PlannerThought, View
 from spacevln.core.geometry import Pose
 from spacevln.core.sensing import Observation, Sighting
-from spacevln.core.spatial import EgocentricMemory, SpatialWaypoint
+from spacevln.core.spatial import EgocentricMemory, FloorMap, SpatialWaypoint
 from spacevln.core.stages import EpisodeStatus, Feedback, LandmarkPool, StopReason, Subtask
 from spacevln.core.task import EpisodeSpec
 
@@ -144,6 +144,13 @@ class GateAsked:
     clauses: tuple[tuple[str, bool], ...]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class MapSaved:
+    """The metric map as it stands at the end of the episode, one picture per floor; comes before :class:`EpisodeEnded`."""
+
+    floors: tuple[FloorMap, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class EpisodeEnded:
     """The episode is over.
@@ -177,5 +184,6 @@ Event = (
     | StageEnded
     | FallbackUsed
     | GateAsked
+    | MapSaved
     | EpisodeEnded
 )

@@ -57,7 +57,7 @@ class Pose:
         )
 
     def relative_to(self, origin: Pose) -> Pose:
-        """This pose seen from ``origin`` (inverse of :meth:`compose`)."""
+        """Return this pose seen from ``origin`` (inverse of :meth:`compose`)."""
         c, s = math.cos(origin.yaw_rad), math.sin(origin.yaw_rad)
         dx, dy = self.x_m - origin.x_m, self.y_m - origin.y_m
         return Pose(

@@ -96,6 +96,27 @@ class Frontier:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FloorMap:
+    """A picture of the metric map of one floor, axis-aligned in the episode frame, for records and viewers.
+
+    Args:
+        floor: its id.
+        resolution_m: edge of a cell.
+        origin_m: (x, y) of the outer corner of cell (0, 0); rows go up along +y, columns along +x.
+        cells: (H, W) uint8: 0 unknown, 1 free, 2 obstacle.
+        regions: (H, W) uint8: 0 none, i = the i-th name of ``region_names``, counted from 1.
+        region_names: e.g. ``("hallway", "kitchen")``.
+    """
+
+    floor: int
+    resolution_m: float
+    origin_m: tuple[float, float]
+    cells: NDArray[np.uint8]
+    regions: NDArray[np.uint8]
+    region_names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class EgocentricMemory:
     """Psi_k = Serialize(Arrange_G(w_k; w_0, w_{k-1}), P_k, mu_k).
 

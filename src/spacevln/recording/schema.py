@@ -191,6 +191,24 @@ class GateAskedLine(Record):
     clauses: tuple[tuple[str, bool], ...]
 
 
+class FloorMapLine(Record):
+    """One floor of the final map; ``image`` is a PNG: red channel cells (0 unknown, 1 free, 2 obstacle), green channel regions."""
+
+    floor: int
+    resolution_m: float
+    origin_m: tuple[float, float]
+    image: str
+    region_names: tuple[str, ...]
+
+
+class MapSavedLine(Record):
+    """The metric map at the end."""
+
+    event: Literal["map_saved"] = "map_saved"
+    time_s: float
+    floors: tuple[FloorMapLine, ...]
+
+
 class EpisodeEndedLine(Record):
     """The episode is over."""
 
@@ -220,6 +238,7 @@ EventLine = Annotated[
     | StageEndedLine
     | FallbackUsedLine
     | GateAskedLine
+    | MapSavedLine
     | EpisodeEndedLine,
     Field(discriminator="event"),
 ]

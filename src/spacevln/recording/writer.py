@@ -18,9 +18,11 @@ from spacevln.core import (
     EpisodeStarted,
     Event,
     FallbackUsed,
+    FloorMap,
     GateAsked,
     InstructionTask,
     LookedAround,
+    MapSaved,
     RecordError,
     ReplyRefused,
     StageEnded,
@@ -123,6 +125,8 @@ class EpisodeRecorder:
                 return schema.FallbackUsedLine(time_s=t, stage=stage, kind=kind, detail=detail)
             case GateAsked(stage=stage, accepted=accepted, clauses=clauses):
                 return schema.GateAskedLine(time_s=t, stage=stage, accepted=accepted, clauses=clauses)
+            case MapSaved(floors=floors):
+                return schema.MapSavedLine(time_s=t, floors=tuple(map(self._floor_map, floors)))
             case EpisodeEnded():
                 return _episode_end(event, t)
 
@@ -171,6 +175,16 @@ class EpisodeRecorder:
             text=memory.text,
             map_image=image,
             frontiers=memory.frontiers,
+        )
+
+    def _floor_map(self, floor: FloorMap) -> schema.FloorMapLine:
+        bgr = np.dstack([np.zeros_like(floor.cells), floor.regions, floor.cells])
+        return schema.FloorMapLine(
+            floor=floor.floor,
+            resolution_m=floor.resolution_m,
+            origin_m=floor.origin_m,
+            image=self._write(f"map_floor_{floor.floor}.png", bgr, [cv2.IMWRITE_PNG_COMPRESSION, PNG_COMPRESSION]),
+            region_names=floor.region_names,
         )
 
     def _write_rgb(self, name: str, rgb: NDArray[np.uint8]) -> str:
