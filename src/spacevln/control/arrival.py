@@ -1,0 +1,75 @@
+"""Has the stage's destination been reached? (appendix "Stage and Episode Termination Criteria"; DESIGN 5.3, 5.6)."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from spacevln.control.anchors import same_space
+from spacevln.control.settings import ControlSettings
+from spacevln.core import LandmarkPool, Pose, SpaceKind, Subtask
+
+
+class ArrivalKind(StrEnum):
+    """Which evidence showed an arrival."""
+
+    LANDMARK = "landmark"
+    FLOOR = "floor"
+    SPACE = "space"
+    TARGET = "target"
+
+
+class StageArrival:
+    """Watches one stage for the arrival at its next anchor.
+
+    The kind of the anchor decides which evidence counts:
+
+    - a floor transition: the floor has changed since the stage began;
+    - a tracked landmark: its arrival flag in the landmark pool, which holds nothing but the landmark of this stage;
+    - a space without a landmark: entered during the stage, and at least ``past_opening_m`` inside;
+    - a metric target without a landmark: within ``target_radius_m``.
+
+    Args:
+        subtask: sigma_k.
+        floor, region: where the stage begins; ``""`` for an unknown region.
+        landmarks: Local Landmark Memory is switched on.
+    """
+
+    def __init__(self, subtask: Subtask, floor: int, region: str, settings: ControlSettings, *, landmarks: bool = True) -> None:
+        self._subtask = subtask
+        self._start_floor = floor
+        self._start_region = region
+        self._settings = settings
+        self._landmarks = landmarks
+        self._entered_at: Pose | None = None
+
+    def reached(self, pose: Pose, floor: int, region: str, pool: LandmarkPool) -> ArrivalKind | None:
+        """The evidence of an arrival now, or None. Called after every primitive: entering a space is noticed on the way."""
+        anchor = self._subtask.next_anchor
+        if anchor is None:
+            return None
+        inside = self._inside_space(anchor.space, pose, region)
+        if anchor.space_kind is SpaceKind.FLOOR_TRANSITION and not anchor.cue:
+            return ArrivalKind.FLOOR if floor != self._start_floor else None
+        if self._subtask.landmark:
+            arrived = self._landmarks and any(candidate.arrived for candidate in pool)
+            return ArrivalKind.LANDMARK if arrived else None
+        if inside:
+            return ArrivalKind.SPACE
+        return ArrivalKind.TARGET if self._at_target(pose) else None
+
+    def _inside_space(self, space: str, pose: Pose, region: str) -> bool:
+        """Whether the body is ``past_opening_m`` from where it came into a region of this type during this stage."""
+        if not space or not same_space(region, space) or same_space(region, self._start_region):
+            self._entered_at = None
+            return False
+        if self._entered_at is None:
+            self._entered_at = pose
+        return self._entered_at.distance_m(pose.x_m, pose.y_m) >= self._settings.past_opening_m
+
+    def _at_target(self, pose: Pose) -> bool:
+        target = self._subtask.target_m
+        return (
+            target is not None
+            and pose.distance_m(target[0], target[1]) <= self._settings.target_radius_m
+            and abs(pose.z_m - target[2]) < self._settings.floor_change_m
+        )
