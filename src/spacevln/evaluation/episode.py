@@ -1,0 +1,76 @@
+"""One episode of any benchmark: what the agent is told, and, kept apart from it, the truth that judges it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacevln.core import EpisodeSpec, InstructionTask, ObjectGoalTask, Pose
+
+Points = NDArray[np.float64]
+
+
+class GroundTruth(Protocol):
+    """What only evaluation knows. Positions are (N, 3) arrays in the scene frame [m]."""
+
+    @property
+    def goals(self) -> Points:
+        """Goal positions (G, 3), for pictures."""
+
+    @property
+    def shortest_path(self) -> Points:
+        """The shortest way from the start to the nearest goal (M, 3)."""
+
+    @property
+    def reference_path(self) -> Points | None:
+        """The dense reference of nDTW (R, 3); None for object goals, which have no reference."""
+
+    def distances_m(self, positions: Points) -> NDArray[np.float64]:
+        """Geodesic distance of each position to the nearest target, shape (N,); inf when there is no way."""
+
+    def reached(self, position: Points) -> bool:
+        """Whether STOP at this position (3,) is a success."""
+
+
+@dataclass(frozen=True, slots=True)
+class Episode:
+    """An episode of a suite.
+
+    Args:
+        spec: all that the environment and the agent get.
+        truth: all that they do not; None for a free instruction or goal.
+        tags: difficulty tags, e.g. ``{"floors": 2, "anchors": 4}``.
+    """
+
+    spec: EpisodeSpec
+    truth: GroundTruth | None = None
+    tags: Mapping[str, str | float | int | bool] = field(default_factory=dict)
+
+    @property
+    def episode_id(self) -> str:
+        """Unique within the suite."""
+        return self.spec.episode_id
+
+    @property
+    def scene(self) -> str:
+        """Name of the building."""
+        return self.spec.scene
+
+    @property
+    def start(self) -> Pose:
+        """Start pose, scene frame."""
+        return self.spec.start
+
+    @property
+    def instruction(self) -> str | None:
+        """The route instruction, if that is the task."""
+        return self.spec.task.instruction if isinstance(self.spec.task, InstructionTask) else None
+
+    @property
+    def goal(self) -> str | None:
+        """The goal category, if that is the task."""
+        return self.spec.task.goal if isinstance(self.spec.task, ObjectGoalTask) else None
