@@ -1,0 +1,1 @@
+"""Spatial-CoT: planners and executors over the typed contexts of core."""
