@@ -9,7 +9,7 @@ import numpy as np
 
 from spacevln.core import EpisodeStatus, StopReason
 from spacevln.evaluation import metrics
-from spacevln.evaluation.episode import Episode, Points
+from spacevln.evaluation.episode import Episode, GroundTruth, Points
 from spacevln.recording import Metrics, ResultFile, Truth, read_events, task_fields
 from spacevln.recording.schema import EpisodeEndedLine, FallbackUsedLine, ReplyRefusedLine, StepTakenLine
 
@@ -44,11 +44,46 @@ def score(episode: Episode, directory: Path, *, restarts: int = 0) -> ResultFile
             case _:
                 pass
     positions = np.array([pose.position_m for pose in walked])
-    kind, text = task_fields(episode.spec.task)
     if end is None:
         return environment_failure(episode, "the attempt ended without a status", positions, restarts=restarts)
-    counts = _Counts(end, rejections, fallbacks)
-    scored, truth = _judge(episode, positions, stopped=end.stopped, counts=counts)
+    return _result(episode, positions, end, rejections=rejections, fallbacks=fallbacks, restarts=restarts)
+
+
+def environment_failure(episode: Episode, detail: str, positions: Points | None = None, *, restarts: int = 0) -> ResultFile:
+    """The result of an episode whose world broke for good: a failure that stays in the denominator."""
+    walked = episode.start.position_m[None] if positions is None else positions
+    end = EpisodeEndedLine(
+        time_s=0.0,
+        status=EpisodeStatus.ENVIRONMENT_FAILURE,
+        stop_reason=StopReason.ENVIRONMENT,
+        stopped=False,
+        detail=detail,
+        pose=episode.start,
+        steps=len(walked) - 1,
+        lookaround_steps=0,
+        align_steps=0,
+        collisions=0,
+        stages=0,
+        seconds=0.0,
+    )
+    return _result(episode, walked, end, rejections=0, fallbacks=0, restarts=restarts)
+
+
+def _result(
+    episode: Episode, positions: Points, end: EpisodeEndedLine, *, rejections: int, fallbacks: int, restarts: int
+) -> ResultFile:
+    counts = Metrics(
+        path_length=round(metrics.path_length_m(positions), 4),
+        steps=end.steps,
+        lookaround_steps=end.lookaround_steps,
+        align_steps=end.align_steps,
+        collisions=end.collisions,
+        stages=end.stages,
+        rejections=rejections,
+        fallbacks=fallbacks,
+    )
+    kind, text = task_fields(episode.spec.task)
+    scored, truth = _judge(episode.truth, positions, counts, stopped=end.stopped) if episode.truth else (counts, None)
     return ResultFile(
         episode_id=episode.episode_id,
         scene=episode.scene,
@@ -66,66 +101,21 @@ def score(episode: Episode, directory: Path, *, restarts: int = 0) -> ResultFile
     )
 
 
-def environment_failure(episode: Episode, detail: str, positions: Points | None = None, *, restarts: int = 0) -> ResultFile:
-    """The result of an episode whose world broke for good: a failure that stays in the denominator."""
-    kind, text = task_fields(episode.spec.task)
-    where = positions if positions is not None else episode.start.position_m[None]
-    scored, truth = _judge(episode, where, stopped=False, counts=None)
-    return ResultFile(
-        episode_id=episode.episode_id,
-        scene=episode.scene,
-        task_kind=kind,
-        task_text=text,
-        status=EpisodeStatus.ENVIRONMENT_FAILURE,
-        stop_reason=StopReason.ENVIRONMENT,
-        forced_stop=False,
-        detail=detail,
-        metrics=scored,
-        truth=truth,
-        tags=dict(episode.tags),
-        timing_s=0.0,
-        restarts=restarts,
-    )
-
-
-class _Counts:
-    """What the record counted."""
-
-    def __init__(self, end: EpisodeEndedLine, rejections: int, fallbacks: int) -> None:
-        self.fields = {
-            "steps": end.steps,
-            "lookaround_steps": end.lookaround_steps,
-            "align_steps": end.align_steps,
-            "collisions": end.collisions,
-            "stages": end.stages,
-            "rejections": rejections,
-            "fallbacks": fallbacks,
-        }
-
-
-NO_COUNTS = dict.fromkeys(("steps", "lookaround_steps", "align_steps", "collisions", "stages", "rejections", "fallbacks"), 0)
-
-
-def _judge(episode: Episode, positions: Points, *, stopped: bool, counts: _Counts | None) -> tuple[Metrics, Truth | None]:
-    walked_m = metrics.path_length_m(positions)
-    counted = counts.fields if counts else {**NO_COUNTS, "steps": len(positions) - 1}
-    truth = episode.truth
-    if truth is None:
-        return Metrics(path_length=round(walked_m, 4), **counted), None
+def _judge(truth: GroundTruth, positions: Points, counts: Metrics, *, stopped: bool) -> tuple[Metrics, Truth]:
     distances = truth.distances_m(positions)
     start_m, final_m = float(distances[0]), float(distances[-1])
     succeeded = stopped and truth.reached(positions[-1])
     reference = truth.reference_path
-    scored = Metrics(
-        SR=float(succeeded),
-        SPL=round(metrics.spl(succeeded, start_m, walked_m), 6),
-        OSR=float(any(truth.reached(position) for position in np.unique(positions, axis=0))),
-        NE=round(final_m, 4) if math.isfinite(final_m) else None,
-        nDTW=None if reference is None else round(metrics.ndtw(positions, reference), 6),
-        SDTW=None if reference is None else round(metrics.sdtw(succeeded, positions, reference), 6),
-        SoftSPL=round(metrics.soft_spl(start_m, final_m, walked_m), 6),
-        path_length=round(walked_m, 4),
-        **counted,
+    scored = counts.model_copy(
+        update={
+            "SR": float(succeeded),
+            "SPL": round(metrics.spl(succeeded, start_m, counts.path_length), 6),
+            "OSR": float(any(truth.reached(position) for position in np.unique(positions, axis=0))),
+            "NE": round(final_m, 4) if math.isfinite(final_m) else None,
+            "nDTW": None if reference is None else round(metrics.ndtw(positions, reference), 6),
+            "SDTW": None if reference is None else round(metrics.sdtw(succeeded, positions, reference), 6),
+            "SoftSPL": round(metrics.soft_spl(start_m, final_m, counts.path_length), 6),
+        }
     )
     known = Truth(
         goals=_rounded(truth.goals),

@@ -1,0 +1,74 @@
+"""Everything that can be set in a run, in one typed value; its hash identifies the run's configuration."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveInt
+
+
+class _Settings(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class HousesSettings(_Settings):
+    """The embedded houses.
+
+    Args:
+        renderer: ``auto`` takes GL where a library is found, else ray casting.
+        sliding: slide along obstacles as in VLN-CE, or stop at contact.
+    """
+
+    renderer: Literal["auto", "gl", "raycast"] = "auto"
+    sliding: bool = True
+
+
+class LabelDetectorSettings(_Settings):
+    """Simulated errors of the detector that reads simulator labels.
+
+    Args:
+        miss_rate: share of visible instances that it overlooks, per image.
+        confusion_rate: share that it calls by the name of a similar category, per image.
+        jitter_px: standard deviation of the box corners.
+        seed: of these errors.
+    """
+
+    miss_rate: float = Field(default=0.0, ge=0, le=1)
+    confusion_rate: float = Field(default=0.0, ge=0, le=1)
+    jitter_px: NonNegativeFloat = 0.0
+    seed: int = 0
+
+
+class ComponentSettings(_Settings):
+    """The paper's ablation switches (Table 4, DESIGN 6); off removes the component, not only its text."""
+
+    hsm: bool = True
+    landmark_memory: bool = True
+    planner_scot: bool = True
+    executor_scot: bool = True
+    stagewise: bool = True
+
+
+class Configuration(_Settings):
+    """Configuration of a run.
+
+    Args:
+        environment: where it drives.
+        detector: what grounds landmarks.
+        components: which parts of the agent are on.
+        planner, executor: who reasons.
+        step_budget: environment steps per episode, STOP included; None takes the task's (260 instructions, 280 object goals).
+    """
+
+    environment: HousesSettings = HousesSettings()
+    detector: LabelDetectorSettings = LabelDetectorSettings()
+    components: ComponentSettings = ComponentSettings()
+    planner: Literal["rules"] = "rules"
+    executor: Literal["rules"] = "rules"
+    step_budget: PositiveInt | None = None
+
+    @property
+    def hash(self) -> str:
+        """First 16 hex digits of the SHA-256 of the canonical JSON."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]

@@ -1,0 +1,64 @@
+"""The ``spacevln`` command: its verbs, and what every error becomes."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from typing import NoReturn
+
+import click
+
+from spacevln import __version__
+from spacevln.cli.bench import bench
+from spacevln.cli.doctor import doctor
+from spacevln.cli.houses import houses
+from spacevln.cli.run import run
+from spacevln.core import PrerequisiteError, SpaceVLNError, UsageError
+
+DONE, FAILED, USAGE, PREREQUISITE, INTERRUPTED = 0, 1, 2, 3, 130
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(__version__, prog_name="spacevln")
+def cli() -> None:
+    """Zero-shot vision-and-language navigation with online Spatial Cognitive Memory.
+
+    \b
+    spacevln run                         watch an agent follow an instruction through a furnished house
+    spacevln bench houses-vln            measure it on many houses
+    spacevln doctor                      what is installed, what is missing, and the command that mends it
+    """
+
+
+cli.add_command(run)
+cli.add_command(bench)
+cli.add_command(houses)
+cli.add_command(doctor)
+
+
+def main() -> NoReturn:
+    """Run the command line and exit with DESIGN 5.10's codes."""
+    logging.basicConfig(level=logging.WARNING, format="%(message)s")
+    try:
+        code = cli.main(standalone_mode=False)
+    except click.UsageError as error:
+        error.show()
+        sys.exit(USAGE)
+    except click.exceptions.Exit as error:
+        sys.exit(error.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        sys.exit(INTERRUPTED)
+    except SpaceVLNError as error:
+        click.echo(f"spacevln: {error}", err=True)
+        sys.exit(_exit_code(error))
+    sys.exit(code if isinstance(code, int) else DONE)
+
+
+def _exit_code(error: SpaceVLNError) -> int:
+    match error:
+        case UsageError():
+            return USAGE
+        case PrerequisiteError():
+            return PREREQUISITE
+        case _:
+            return FAILED

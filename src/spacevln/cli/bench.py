@@ -1,0 +1,109 @@
+"""``spacevln bench``: a suite, in parallel, resumable."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from spacevln.cli.options import agent_options, configuration_from
+
+if TYPE_CHECKING:
+    from spacevln.recording import ResultFile
+
+
+class SeedRange(click.ParamType):
+    """``A:B``, half open."""
+
+    name = "A:B"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
+        """Parse ``A:B``."""
+        first, colon, last = str(value).partition(":")
+        if not (colon and first.isdigit() and last.isdigit() and int(first) < int(last)):
+            self.fail(f"{value!r} is no range of seeds: give A:B with 0 <= A < B, e.g. 0:100.", param, ctx)
+        return int(first), int(last)
+
+
+@click.command()
+@click.argument("suite")
+@click.option("--split", type=click.Choice(["test", "dev"]), default="test", show_default=True)
+@click.option("--seeds", type=SeedRange(), default=None, help="One fresh episode of each house seed A..B-1 instead of the split.")
+@click.option("--episodes", type=click.IntRange(min=1), default=None, help="Only the first so many.")
+@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
+@click.option("--level", type=click.Choice(["light", "full"]), default="light", show_default=True, help="How much is recorded.")
+@agent_options
+def bench(
+    suite: str,
+    split: str,
+    seeds: tuple[int, int] | None,
+    episodes: int | None,
+    workers: int,
+    level: str,
+    out: Path | None,
+    **options: Any,
+) -> int:
+    """Run SUITE (houses-vln or houses-objectnav); the same command on the same --out resumes."""
+    from spacevln.cli.output import describe_run, prepare  # noqa: PLC0415 - heavy
+    from spacevln.evaluation.datasets import Selection  # noqa: PLC0415 - heavy
+    from spacevln.evaluation.runner import Job, claim_directory  # noqa: PLC0415 - heavy
+    from spacevln.evaluation.runner import bench as run_suite  # noqa: PLC0415 - heavy
+    from spacevln.recording import RecordLevel  # noqa: PLC0415 - heavy
+
+    configuration = configuration_from(options)
+    selection = Selection.model_validate({"suite": suite, "split": split, "seeds": seeds, "episodes": episodes})
+    total = len(selection.load())
+    directory = prepare(out)
+    claim_directory(directory, describe_run(f"{suite} {split} {seeds}", configuration))
+    job = Job(selection, configuration, directory, RecordLevel(level))
+    progress = _Progress(total)
+    with progress:
+        summary = run_suite(job, workers, progress.add)
+    click.echo(_table(summary.metrics, progress.results))
+    click.echo(f"statuses {', '.join(f'{name} {count}' for name, count in summary.statuses.items())}")
+    click.echo(f"rejections {summary.rejections}, fallbacks {summary.fallbacks}, unreachable {summary.unreachable}")
+    click.echo(f"record   {directory}")
+    failed = {"model_failure", "environment_failure", "safety"} & set(summary.statuses)
+    return 1 if failed else 0
+
+
+class _Progress:
+    """A bar with the success so far and the time left; plain lines where there is no terminal."""
+
+    def __init__(self, total: int) -> None:
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
+
+        self.results: list[ResultFile] = []
+        self._bar = Progress(
+            TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), transient=True
+        )
+        self._task = self._bar.add_task("starting", total=total)
+
+    def __enter__(self) -> None:
+        self._bar.start()
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def add(self, result: ResultFile) -> None:
+        """Count a result."""
+        self.results.append(result)
+        judged = [each.metrics.SR for each in self.results if each.metrics.SR is not None]
+        share = f"SR {100 * sum(judged) / len(judged):.0f} %" if judged else "running"
+        self._bar.update(self._task, advance=1, description=share)
+
+
+def _table(metrics: dict[str, float | None], results: list[ResultFile]) -> str:
+    from spacevln.evaluation.summary import bootstrap_interval  # noqa: PLC0415 - heavy
+
+    lines = []
+    for name, unit in (("SR", "%"), ("SPL", "%"), ("OSR", "%"), ("nDTW", "%"), ("NE", "m"), ("steps", ""), ("stages", "")):
+        value = metrics.get(name)
+        if value is None:
+            continue
+        scale = 100.0 if unit == "%" else 1.0
+        values = [getattr(result.metrics, name) for result in results]
+        low, high = bootstrap_interval([scale * each for each in values if each is not None])
+        lines.append(f"{name:8s} {value:6.1f} {unit:1s}  [{low:.1f}, {high:.1f}]")
+    return "\n".join(lines)

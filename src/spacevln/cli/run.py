@@ -1,0 +1,92 @@
+"""``spacevln run``: one episode in an embedded house, with a live display."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from spacevln.cli.options import agent_options, configuration_from
+
+if TYPE_CHECKING:
+    from spacevln.recording import ResultFile
+
+MAX_INSTRUCTION_CHARS = 4000
+
+
+@click.command()
+@click.option("--task", type=click.Choice(["vln", "objectnav"]), default="vln", show_default=True, help="Follow a route, or find an object.")
+@click.option("--seed", type=click.IntRange(0, 999_999), default=7, show_default=True, help="Which house.")
+@click.option("--instruction", default=None, help="Your own route instruction; it has no truth, so its metrics are null.")
+@click.option("--goal", default=None, help="Your own goal object, e.g. 'teapot' (with --task objectnav).")
+@agent_options
+def run(task: str, seed: int, instruction: str | None, goal: str | None, out: Path | None, **options: Any) -> int:
+    """Run one episode and show what happens.
+
+    Ends with one line of truth, the record's path, and a picture from above.
+    """
+    _check(task, instruction, goal)
+    from spacevln.cli.output import describe_run, prepare  # noqa: PLC0415 - heavy
+    from spacevln.cli.progress import EpisodeProgress  # noqa: PLC0415 - heavy
+    from spacevln.evaluation.attempt import Session  # noqa: PLC0415 - heavy
+    from spacevln.evaluation.houses import pick_episode  # noqa: PLC0415 - heavy
+    from spacevln.evaluation.runner import claim_directory, finished  # noqa: PLC0415 - heavy
+    from spacevln.evaluation.summary import summarise  # noqa: PLC0415 - heavy
+    from spacevln.recording import episode_directory, write_file  # noqa: PLC0415 - heavy
+
+    configuration = configuration_from(options)
+    directory = prepare(out)
+    claim_directory(directory, describe_run(f"run {task}", configuration))
+    with EpisodeProgress() as progress:
+        progress.say("building the house")
+        episode = pick_episode(task, seed, instruction=instruction, goal=goal)
+        folder = episode_directory(directory, episode.episode_id)
+        result = finished(directory, episode.episode_id)
+        if result is None:
+            progress.begin(episode.spec)
+            with Session(configuration) as session:
+                result = session.attempt(episode, folder, sinks=(progress,))
+    write_file(directory / "summary.json", summarise([result]))
+    click.echo(outcome_line(result))
+    click.echo(f"record   {folder}")
+    if (folder / "topdown.png").exists():
+        click.echo(f"picture  {folder / 'topdown.png'}")
+    return exit_code(result)
+
+
+def _check(task: str, instruction: str | None, goal: str | None) -> None:
+    if instruction is not None and task != "vln":
+        raise click.UsageError("--instruction belongs to --task vln: leave it out, or give --goal.")
+    if goal is not None and task != "objectnav":
+        raise click.UsageError("--goal belongs to --task objectnav: add --task objectnav.")
+    if instruction is not None and not instruction.strip():
+        raise click.UsageError("--instruction '' is empty: say where to go, e.g. 'Leave the bedroom and stop by the sofa.'")
+    if instruction is not None and len(instruction) > MAX_INSTRUCTION_CHARS:
+        raise click.UsageError(
+            f"--instruction has {len(instruction):,} characters, at most {MAX_INSTRUCTION_CHARS:,} are allowed: shorten it."
+        )
+
+
+def outcome_line(result: ResultFile) -> str:
+    """One honest line about an episode."""
+    metrics = result.metrics
+    parts = [f"status {result.status}"]
+    if result.forced_stop:
+        parts.append(f"STOP forced by {result.stop_reason}")
+    if metrics.SR is not None:
+        distance = "unreachable" if metrics.NE is None else f"{metrics.NE:.2f} m from the goal"
+        parts += [distance, "success" if metrics.SR else "no success", f"SPL {metrics.SPL:.2f}"]
+    else:
+        parts.append("no truth, so no success is claimed")
+    parts += [f"{metrics.steps} steps", f"{metrics.stages} stages", f"{result.timing_s:.1f} s"]
+    if result.detail and result.status != "stopped":
+        parts.append(result.detail)
+    return "result   " + ", ".join(parts)
+
+
+def exit_code(result: ResultFile) -> int:
+    """DESIGN 5.10: 0 done, 1 a failure of model or world, 130 interrupted."""
+    if result.status == "interrupted":
+        return 130
+    return 1 if result.status in ("model_failure", "environment_failure", "safety") else 0
