@@ -1,0 +1,228 @@
+"""How the body moves: a disc among obstacles on the floor, stopped or sliding, as the agents of VLN-CE.
+
+The disc is swept exactly: the obstacles (oriented boxes and discs) are grown by its radius to rounded boxes and discs, and
+the centre's ray is intersected with them. Nothing is sampled, so nothing can be tunnelled through.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numba import njit
+
+from spacevln.core.actions import Motion
+from spacevln.core.geometry import Float, Pose
+
+# Contact is kept this far from the true surface, so that rounding never puts the disc inside it [m].
+SKIN_M = 1e-4
+_CONTACT = 1e-8
+_MAX_SLIDES = 4
+
+
+@njit(cache=True)
+def _enter_slab(px: float, py: float, dx: float, dy: float, hx: float, hy: float) -> tuple[float, float, float]:
+    """Parameter and outward normal at which a ray from outside enters the box [-hx, hx] x [-hy, hy]; inf for never."""
+    near, far, nx, ny = -np.inf, np.inf, 0.0, 0.0
+    for axis in range(2):
+        p, d, h = (px, dx, hx) if axis == 0 else (py, dy, hy)
+        if d == 0.0:
+            if abs(p) >= h:
+                return np.inf, 0.0, 0.0
+            continue
+        sign = 1.0 if d > 0 else -1.0
+        a, b = (-sign * h - p) / d, (sign * h - p) / d
+        if a > near:
+            near, nx, ny = a, (-sign if axis == 0 else 0.0), (-sign if axis == 1 else 0.0)
+        far = min(far, b)
+    if near >= far or near < 0.0:
+        return np.inf, 0.0, 0.0
+    return near, nx, ny
+
+
+@njit(cache=True)
+def _enter_disc(px: float, py: float, dx: float, dy: float, radius: float) -> tuple[float, float, float]:
+    """Parameter and outward normal at which a ray from outside enters the disc around the origin; (dx, dy) is a unit vector."""
+    b = px * dx + py * dy
+    c = px * px + py * py - radius * radius
+    discriminant = b * b - c
+    if b >= 0.0 or c < 0.0 or discriminant <= 2.0 * _CONTACT * radius:  # grazing is no contact
+        return np.inf, 0.0, 0.0
+    t = -b - math.sqrt(discriminant)
+    return max(t, 0.0), (px + t * dx) / radius, (py + t * dy) / radius
+
+
+@njit(cache=True)
+def _surface(px: float, py: float, hx: float, hy: float) -> tuple[float, float, float]:
+    """Signed distance from a point to a box around the origin, and the outward normal there."""
+    qx, qy = abs(px) - hx, abs(py) - hy
+    sx, sy = (1.0 if px >= 0 else -1.0), (1.0 if py >= 0 else -1.0)
+    if qx > 0 and qy > 0:
+        distance = math.hypot(qx, qy)
+        return distance, sx * qx / distance, sy * qy / distance
+    if qx > qy:
+        return qx, sx, 0.0
+    return qy, 0.0, sy
+
+
+@njit(cache=True)
+def _hit_box(px: float, py: float, dx: float, dy: float, hx: float, hy: float, radius: float) -> tuple[float, float, float]:
+    """Where the centre of a disc meets a box around the origin: parameter and normal; inf for never."""
+    distance, nx, ny = _surface(px, py, hx, hy)
+    if distance <= radius + _CONTACT:  # already touching: only moves that do not go deeper are free
+        if dx * nx + dy * ny < -_CONTACT:
+            return 0.0, nx, ny
+        return np.inf, 0.0, 0.0
+    best, bx, by = _enter_slab(px, py, dx, dy, hx + radius, hy)
+    t, nx, ny = _enter_slab(px, py, dx, dy, hx, hy + radius)
+    if t < best:
+        best, bx, by = t, nx, ny
+    for sx in (-1.0, 1.0):
+        for sy in (-1.0, 1.0):
+            t, nx, ny = _enter_disc(px - sx * hx, py - sy * hy, dx, dy, radius)
+            if t < best:
+                best, bx, by = t, nx, ny
+    return best, bx, by
+
+
+@njit(cache=True)
+def _first_hit(
+    x: float, y: float, dx: float, dy: float, length: float, radius: float, boxes: Float, discs: Float
+) -> tuple[float, float, float]:
+    """First contact of a disc that moves along the unit vector (dx, dy): distance and normal; inf for none."""
+    best, bx, by = np.inf, 0.0, 0.0
+    for k in range(boxes.shape[0]):
+        cx, cy, hx, hy, yaw = boxes[k]
+        rx, ry = x - cx, y - cy
+        reach = length + radius + math.hypot(hx, hy) + SKIN_M
+        if rx * rx + ry * ry > reach * reach:
+            continue
+        c, s = math.cos(yaw), math.sin(yaw)
+        t, nx, ny = _hit_box(c * rx + s * ry, -s * rx + c * ry, c * dx + s * dy, -s * dx + c * dy, hx, hy, radius)
+        if t < best:
+            best, bx, by = t, c * nx - s * ny, s * nx + c * ny
+    for k in range(discs.shape[0]):
+        rx, ry, grown = x - discs[k, 0], y - discs[k, 1], radius + discs[k, 2]
+        distance = math.hypot(rx, ry)
+        if distance > length + grown:
+            continue
+        if distance <= grown + _CONTACT and distance > 0.0:
+            t, nx, ny = (0.0, rx / distance, ry / distance) if (rx * dx + ry * dy) / distance < -_CONTACT else (np.inf, 0.0, 0.0)
+        else:
+            t, nx, ny = _enter_disc(rx, ry, dx, dy, grown)
+        if t < best:
+            best, bx, by = t, nx, ny
+    return best, bx, by
+
+
+@njit(cache=True)
+def _sweep(
+    x: float, y: float, vx: float, vy: float, radius: float, boxes: Float, discs: Float, sliding: bool
+) -> tuple[float, float, bool]:
+    collided = False
+    last_x, last_y = 0.0, 0.0
+    for _ in range(_MAX_SLIDES):
+        length = math.hypot(vx, vy)
+        if length < _CONTACT:
+            break
+        dx, dy = vx / length, vy / length
+        t, nx, ny = _first_hit(x, y, dx, dy, length, radius + SKIN_M, boxes, discs)
+        if t >= length:
+            return x + vx, y + vy, collided
+        collided = True
+        x, y = x + t * dx, y + t * dy
+        if not sliding:
+            break
+        left = length - t
+        along = dx * nx + dy * ny
+        vx, vy = left * (dx - along * nx), left * (dy - along * ny)
+        if last_x * vx + last_y * vy < -_CONTACT:  # the way along this surface leads back into the last one: a corner
+            break
+        last_x, last_y = nx, ny
+    return x, y, collided
+
+
+def sweep_disc(
+    xy_m: tuple[float, float],
+    move_m: tuple[float, float],
+    boxes: Float,
+    discs: Float,
+    *,
+    radius_m: float = 0.1,
+    sliding: bool = True,
+) -> tuple[float, float, bool]:
+    """Move a disc among obstacles.
+
+    Args:
+        xy_m: its centre [m].
+        move_m: the wanted displacement [m].
+        boxes: (N, 5) float64: centre x, y, half extents along the box's own axes, yaw of those axes [m, rad].
+        discs: (M, 3) float64: centre x, y, radius [m].
+        radius_m: of the moving disc.
+        sliding: what is left of the move after a contact goes on along the surface, as in VLN-CE; else the disc stops there.
+
+    Returns:
+        Its new centre, and whether anything shortened or deflected the move. The way travelled is never longer than asked.
+    """
+    x, y, collided = _sweep(
+        float(xy_m[0]), float(xy_m[1]), float(move_m[0]), float(move_m[1]), float(radius_m), boxes, discs, sliding
+    )
+    return float(x), float(y), bool(collided)
+
+
+class Ground(Protocol):
+    """Where a body can stand, storey by storey."""
+
+    def obstacles(self, floor: int) -> tuple[Float, Float]:
+        """What blocks a disc on a storey: boxes (N, 5) and discs (M, 3), see :func:`sweep_disc`."""
+
+    def floor_at(self, x_m: float, y_m: float, floor: int) -> int:
+        """The storey of a body that comes from storey ``floor`` to this point; it changes half-way up a flight of stairs."""
+
+    def height_m(self, x_m: float, y_m: float, floor: int) -> float:
+        """Height of the floor or of the step under a point, scene frame [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """Where the body is: pose in the scene frame and storey."""
+
+    pose: Pose
+    floor: int
+
+
+class Body:
+    """A disc that walks and turns; pure geometry.
+
+    Args:
+        ground: of the house.
+        radius_m: of the disc.
+        sliding: as in :func:`sweep_disc`.
+    """
+
+    def __init__(self, ground: Ground, *, radius_m: float = 0.1, sliding: bool = True) -> None:
+        self._ground = ground
+        self._radius_m = radius_m
+        self._sliding = sliding
+
+    def placed(self, pose: Pose, floor: int) -> Standing:
+        """The body put down on a storey; its height is the ground's."""
+        floor = self._ground.floor_at(pose.x_m, pose.y_m, floor)
+        return Standing(Pose(pose.x_m, pose.y_m, self._ground.height_m(pose.x_m, pose.y_m, floor), pose.yaw_rad), floor)
+
+    def forward(self, at: Standing, distance_m: float) -> tuple[Standing, Motion]:
+        """Move along the heading as far as obstacles allow."""
+        pose = at.pose
+        boxes, discs = self._ground.obstacles(at.floor)
+        move = (distance_m * math.cos(pose.yaw_rad), distance_m * math.sin(pose.yaw_rad))
+        x, y, collided = sweep_disc((pose.x_m, pose.y_m), move, boxes, discs, radius_m=self._radius_m, sliding=self._sliding)
+        floor = self._ground.floor_at(x, y, at.floor)
+        there = Pose(x, y, self._ground.height_m(x, y, floor), pose.yaw_rad)
+        moved = math.hypot(x - pose.x_m, y - pose.y_m)
+        return Standing(there, floor), Motion(moved_m=moved, turned_rad=0.0, collided=collided)
+
+    def turn(self, at: Standing, angle_rad: float) -> tuple[Standing, Motion]:
+        """Turn on the spot, left positive."""
+        return Standing(at.pose.turned(angle_rad), at.floor), Motion(moved_m=0.0, turned_rad=angle_rad, collided=False)
