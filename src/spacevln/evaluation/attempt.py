@@ -52,7 +52,7 @@ class Session(AbstractContextManager["Session"]):
         """
         recorder = EpisodeRecorder(directory, level)
         try:
-            agent = build_agent(self._configuration, self._environment, episode.spec.task, (recorder, *sinks))
+            agent = build_agent(self._configuration, self._environment, (recorder, *sinks))
             agent.run(episode.spec)
             result = score(episode, directory, restarts=restarts)
         except RecordError:

@@ -1,0 +1,81 @@
+"""``spacevln doctor``: what is installed, reachable, missing, and the command that mends it."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+import click
+
+from spacevln import __version__
+from spacevln.core import PrerequisiteError, UsageError
+
+BASE = ("mujoco", "numba", "numpy", "opencv-python-headless", "pydantic", "scipy")
+EXTRAS = (("gymnasium", "gym", "the Gymnasium environment spacevln/Houses-v0"),)
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One line of the report: ``ok``, ``note`` (works, could be better) or ``missing`` (something will not work)."""
+
+    state: str
+    what: str
+    mend: str = ""
+
+
+@click.command()
+def doctor() -> int:
+    """Say what is installed, what is missing, and the command that mends it."""
+    findings = [*_python(), *_packages(), *_renderer(), *_storage(), *_extras()]
+    marks = {"ok": click.style("ok     ", fg="green"), "note": click.style("note   ", fg="yellow")}
+    missing = click.style("missing", fg="red")
+    for finding in findings:
+        click.echo(f"{marks.get(finding.state, missing)}  {finding.what}")
+        if finding.mend:
+            click.echo(f"         -> {finding.mend}")
+    return 3 if any(finding.state == "missing" for finding in findings) else 0
+
+
+def _python() -> Iterator[Finding]:
+    yield Finding("ok", f"spacevln {__version__}, Python {platform.python_version()} on {platform.system()} {platform.machine()}")
+
+
+def _packages() -> Iterator[Finding]:
+    versions = ", ".join(f"{name} {metadata.version(name)}" for name in BASE)
+    yield Finding("ok", versions)
+
+
+def _renderer() -> Iterator[Finding]:
+    from spacevln.environments.houses.rendering import renderer_info  # noqa: PLC0415 - heavy
+
+    try:
+        info = renderer_info()
+    except (PrerequisiteError, UsageError) as error:
+        yield Finding("missing", f"renderer: {error}")
+        return
+    yield Finding("note" if info.install else "ok", f"renderer {info.name}: {info.reason}", info.install)
+
+
+def _storage() -> Iterator[Finding]:
+    here = Path.cwd()
+    if os.access(here, os.W_OK):
+        yield Finding("ok", f"runs are written under {here / 'runs'}")
+    else:
+        yield Finding("note", f"{here} cannot be written", "give --out a directory that you may write")
+    package = Path(sys.modules["spacevln"].__file__ or ".").parent
+    if not (os.access(package, os.W_OK) or "NUMBA_CACHE_DIR" in os.environ):
+        yield Finding("note", "compiled kernels are kept in your user cache, as the package folder cannot be written")
+
+
+def _extras() -> Iterator[Finding]:
+    for module, extra, purpose in EXTRAS:
+        if importlib.util.find_spec(module) is None:
+            yield Finding("note", f"extra {extra!r} is not installed: {purpose}", f'pip install "spacevln[{extra}]"')
+        else:
+            yield Finding("ok", f"extra {extra!r}: {purpose}")
