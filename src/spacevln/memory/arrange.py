@@ -1,0 +1,112 @@
+"""Arrange: all waypoints around the agent, overlapping ones merged, with the known ways to them (paper Sec. 3.2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacevln.core import ArrangedWaypoint, Mark, Pose, SpatialWaypoint
+from spacevln.core.geometry import Float
+from spacevln.memory.graph import REACH_M
+from spacevln.memory.metric import MemoryMap
+
+if TYPE_CHECKING:
+    from spacevln.memory.hierarchical import HierarchicalSpatialMemory
+
+OVERLAP_M = 1.0  # waypoints of one region this near are shown as one [authors' code]
+_SECTORS = 12
+
+
+def arrange(memory: HierarchicalSpatialMemory, pose: Pose, metric_map: MemoryMap) -> tuple[ArrangedWaypoint, ...]:
+    """Arrange_G(w_k; w_0, w_{k-1}) around the live pose.
+
+    Order: the current floor first, then by direction (front, then counter-clockwise in steps of 30 degrees), then by
+    distance. ``geodesic_m`` is the way on the map, or, where the map does not join the two (another floor), along the graph.
+    """
+    waypoints = memory.waypoints
+    if not waypoints:
+        return ()
+    on_map = _map_distances(pose, waypoints, metric_map)
+    along_graph, previous = memory.graph.shortest(_entrances(pose, waypoints, on_map, metric_map.floor))
+    arranged = []
+    for group in _overlapping(memory, waypoints):
+        newest = waypoints[group[-1]]
+        way_m = float(on_map[newest.index])
+        arranged.append(
+            ArrangedWaypoint(
+                waypoint=newest,
+                merged=tuple(group[:-1]),
+                bearing_rad=pose.bearing_rad(newest.pose.x_m, newest.pose.y_m),
+                geodesic_m=way_m if math.isfinite(way_m) else along_graph.get(newest.index, math.inf),
+                path=_path(newest.index, along_graph, previous),
+                marks=_marks(group, len(waypoints)),
+                visits=len(group),
+            )
+        )
+    return tuple(sorted(arranged, key=lambda item: _order(item, pose, metric_map.floor)))
+
+
+def _map_distances(pose: Pose, waypoints: Sequence[SpatialWaypoint], metric_map: MemoryMap) -> Float:
+    """Geodesic distance from the pose to every waypoint of the current floor; inf for the others."""
+    xy = np.array([[waypoint.pose.x_m, waypoint.pose.y_m] for waypoint in waypoints])
+    distances = np.asarray(metric_map.geodesic_field(pose.xy_m).at(xy), np.float64)
+    return np.where([waypoint.floor == metric_map.floor for waypoint in waypoints], distances, np.inf)
+
+
+def _entrances(pose: Pose, waypoints: Sequence[SpatialWaypoint], on_map: Float, floor: int) -> dict[int, float]:
+    """Where a way over the graph may begin: the waypoints within local reach, or else the nearest one."""
+    within = {index: float(way) for index, way in enumerate(on_map) if way <= REACH_M}
+    if within:
+        return within
+    if np.isfinite(on_map).any():
+        nearest = int(np.argmin(on_map))
+        return {nearest: float(on_map[nearest])}
+    here = [waypoint for waypoint in waypoints if waypoint.floor == floor] or list(waypoints)
+    last = here[-1]  # the map does not join the pose to any: the way it came
+    return {last.index: pose.distance_m(last.pose.x_m, last.pose.y_m)}
+
+
+def _path(index: int, reached: dict[int, float], previous: dict[int, int]) -> tuple[int, ...]:
+    if index not in reached:
+        return ()
+    path = [index]
+    while path[-1] in previous:
+        path.append(previous[path[-1]])
+    return tuple(reversed(path))
+
+
+def _overlapping(memory: HierarchicalSpatialMemory, waypoints: Sequence[SpatialWaypoint]) -> list[list[int]]:
+    """Groups of waypoints of one region within 1 m of the newest of them, ascending inside a group."""
+    groups: list[list[int]] = []
+    for waypoint in reversed(waypoints):
+        region = memory.regions.of(waypoint.index)
+        for group in groups:
+            newest = waypoints[group[0]]
+            near = newest.pose.distance_m(waypoint.pose.x_m, waypoint.pose.y_m) <= OVERLAP_M
+            if near and newest.floor == waypoint.floor and memory.regions.of(newest.index) is region:
+                group.append(waypoint.index)
+                break
+        else:
+            groups.append([waypoint.index])
+    return [group[::-1] for group in groups]
+
+
+def _marks(group: Sequence[int], count: int) -> tuple[str, ...]:
+    marks = []
+    if 0 in group:
+        marks.append(Mark.FIRST)
+    if count - 1 in group:
+        marks.append(Mark.PREVIOUS)
+    if len(group) > 1:
+        marks.append(Mark.VISITED)
+    return tuple(marks)
+
+
+def _order(item: ArrangedWaypoint, pose: Pose, floor: int) -> tuple[int, int, float, int]:
+    at = item.waypoint.pose
+    sector = round(math.degrees(item.bearing_rad) / (360 / _SECTORS)) % _SECTORS
+    distance = item.geodesic_m if math.isfinite(item.geodesic_m) else 1e6 + pose.distance_m(at.x_m, at.y_m)
+    return (abs(item.waypoint.floor - floor), sector, round(distance, 3), item.waypoint.index)

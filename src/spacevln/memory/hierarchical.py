@@ -1,0 +1,182 @@
+"""Hierarchical Spatial Memory W_t = {G_t, P_t}: floors, regions, Spatial Waypoints, their graph and the executed chain.
+
+Paper Sec. 3.2 and appendix "Spatial Cognitive Memory Construction".
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from spacevln.core import Anchor, CueKind, EgocentricMemory, LandmarkCue, Pose, Sighting, SpatialWaypoint
+from spacevln.language import cue_kind, parse_region
+from spacevln.memory.arrange import arrange
+from spacevln.memory.graph import Edge, WaypointGraph
+from spacevln.memory.metric import MemoryMap
+from spacevln.memory.regions import SUPPORT_RADIUS_M, Region, Regions
+from spacevln.memory.rendering import render_map
+from spacevln.memory.serialize import serialize
+from spacevln.memory.thresholds import Thresholds
+from spacevln.perception.matching import names
+
+CUE_RANGE_M = 6.0  # farther things describe another place [ours]
+MAX_CUES = 12
+SAME_CUE_M = 0.6
+TRACK_STEP_M = 0.05
+
+
+class HierarchicalSpatialMemory:
+    """Grows by one Spatial Waypoint at every planning boundary.
+
+    Nothing that was added is ever merged away: regions group waypoints, :func:`~spacevln.memory.arrange.arrange` merges
+    overlapping ones for display only, the chain keeps every visit.
+    """
+
+    def __init__(self) -> None:
+        self.graph = WaypointGraph()
+        self.regions = Regions()
+        self.thresholds = Thresholds()
+        self._waypoints: list[SpatialWaypoint] = []
+        self._track: list[tuple[int, float, float]] = []  # floor, x, y
+        self._walked_m = 0.0
+
+    @property
+    def waypoints(self) -> tuple[SpatialWaypoint, ...]:
+        """Every waypoint, by index."""
+        return tuple(self._waypoints)
+
+    @property
+    def chain(self) -> tuple[int, ...]:
+        """P: waypoint indices, every visit in order."""
+        return tuple(waypoint.index for waypoint in self._waypoints)
+
+    @property
+    def floors(self) -> tuple[int, ...]:
+        """Floors with waypoints, ascending."""
+        return tuple(sorted({waypoint.floor for waypoint in self._waypoints}))
+
+    @property
+    def floor_transitions(self) -> tuple[Edge, ...]:
+        """Edges whose ends lie on different floors."""
+        return tuple(edge for edge in self.graph.edges if edge.floor_transition)
+
+    @property
+    def track_m(self) -> tuple[tuple[int, float, float], ...]:
+        """Walked way as (floor, x, y)."""
+        return tuple(self._track)
+
+    def track(self, pose: Pose, floor: int) -> None:
+        """Note where the body is; called after every primitive, so that chain edges have their walked length."""
+        if not self._track:
+            self._track.append((floor, pose.x_m, pose.y_m))
+            return
+        last_floor, x, y = self._track[-1]
+        moved = math.hypot(pose.x_m - x, pose.y_m - y)
+        if moved >= TRACK_STEP_M or floor != last_floor:
+            self._track.append((floor, pose.x_m, pose.y_m))
+            self._walked_m += moved
+
+    def add(
+        self, pose: Pose, floor: int, anchor: Anchor | str, sightings: Sequence[Sighting], metric_map: MemoryMap
+    ) -> SpatialWaypoint:
+        """Instantiate w_k = (x_k, f_k, r_k, Lambda_k) and join it to graph, chain and regions.
+
+        Args:
+            pose: x_k.
+            floor: f_k.
+            anchor: the planner's current anchor v^{j_k}_k; ParseRegion gives r_k and the cues it names.
+            sightings: of the look-around, all views.
+            metric_map: m_t.
+        """
+        self.track(pose, floor)
+        region, named = parse_region(anchor)
+        self.thresholds.add(sightings, floor)
+        waypoint = SpatialWaypoint(
+            index=len(self._waypoints),
+            pose=pose,
+            floor=floor,
+            region=region,
+            cues=self._cues(pose, floor, named, sightings),
+            text=str(anchor),
+        )
+        earlier = self.waypoints
+        self._waypoints.append(waypoint)
+        field = metric_map.geodesic_field(pose.xy_m)
+        self.graph.connect_map(waypoint, earlier, field)
+        if earlier:
+            self._connect_chain(earlier[-1], waypoint, float(field.at([earlier[-1].pose.xy_m])[0]))
+        changed = [
+            other.index
+            for other in self._waypoints
+            if other.floor == floor and other.pose.distance_m(pose.x_m, pose.y_m) <= 2 * SUPPORT_RADIUS_M
+        ]
+        self.regions.update(self._waypoints, changed, metric_map, self.thresholds)
+        self._walked_m = 0.0
+        return waypoint
+
+    def region_at(self, pose: Pose, floor: int) -> Region | None:
+        """The region that a pose stands in; None when no waypoint's support holds it."""
+        return self.regions.at(pose.xy_m, floor, self._waypoints)
+
+    def region_neighbours(self, region: Region) -> tuple[Region, ...]:
+        """Regions joined to this one by an edge of the graph."""
+        members = set(region.waypoints)
+        labels = {self.regions.of(other).label for index in members for other in self.graph.neighbours(index)}
+        return tuple(other for other in self.regions.all if other.label in labels - {region.label})
+
+    def egocentric(self, pose: Pose, metric_map: MemoryMap) -> EgocentricMemory:
+        """Psi_k = Serialize(Arrange_G(w_k; w_0, w_{k-1}), P_k, mu_k), around the live pose."""
+        floor = metric_map.floor
+        here = self.region_at(pose, floor)
+        arranged = arrange(self, pose, metric_map)
+        frontiers = tuple(metric_map.frontiers(pose))
+        return EgocentricMemory(
+            pose=pose,
+            floor=floor,
+            region=here.type if here else "",
+            waypoints=arranged,
+            chain=self.chain,
+            text=serialize(self, pose, floor, arranged, frontiers),
+            map_image=render_map(self, pose, metric_map),
+            frontiers=frontiers,
+        )
+
+    def _connect_chain(self, before: SpatialWaypoint, waypoint: SpatialWaypoint, geodesic_m: float) -> None:
+        same_floor = before.floor == waypoint.floor
+        walked_m = self._walked_m or before.pose.distance_m(waypoint.pose.x_m, waypoint.pose.y_m)
+        self.graph.connect_chain(before, waypoint, geodesic_m if same_floor and math.isfinite(geodesic_m) else walked_m)
+
+    def _cues(self, pose: Pose, floor: int, named: Sequence[str], sightings: Sequence[Sighting]) -> tuple[LandmarkCue, ...]:
+        """Lambda_k: what the anchor names first, then what was seen in this space, each thing once."""
+        cues: list[LandmarkCue] = []
+        for sighting in sorted(sightings, key=lambda s: (-s.confidence, s.distance_m, s.category, s.position_m)):
+            passage = cue_kind(sighting.category) is CueKind.OPENING
+            if sighting.distance_m > CUE_RANGE_M or any(_same_cue(cue, sighting) for cue in cues):
+                continue
+            if not passage and self.thresholds.between(floor, pose.xy_m, np.array(sighting.position_m[:2])):
+                continue  # seen through a doorway: it belongs to the next space
+            cues.append(
+                LandmarkCue(
+                    category=sighting.category,
+                    attributes=sighting.attributes,
+                    position_m=sighting.position_m,
+                    confidence=sighting.confidence,
+                    distance_m=sighting.distance_m,
+                    extent_m=sighting.extent_m,
+                    is_passage=sighting.is_passage,
+                )
+            )
+        for phrase in reversed(named):
+            seen = next((cue for cue in sorted(cues, key=lambda cue: cue.distance_m) if names(phrase, cue.category)), None)
+            if seen is not None:
+                cues.remove(seen)
+            cues.insert(0, seen or LandmarkCue(phrase))
+        return tuple(cues[:MAX_CUES])
+
+
+def _same_cue(cue: LandmarkCue, sighting: Sighting) -> bool:
+    if cue.position_m is None or not (names(cue.category, sighting.category) or names(sighting.category, cue.category)):
+        return False
+    return math.dist(cue.position_m, sighting.position_m) <= SAME_CUE_M + 0.25 * max(cue.extent_m, sighting.extent_m)

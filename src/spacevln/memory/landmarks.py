@@ -1,0 +1,219 @@
+"""Local Landmark Memory: the ranked pool of candidates for the landmark of the active stage (paper Sec. 3.2 and appendix).
+
+One :class:`LocalLandmarkMemory` lives for one stage; a new stage starts a new one, so nothing stale survives.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from spacevln.core import CueKind, LandmarkCandidate, LandmarkPool, Pose, Sighting, SpatialMap, egocentric_label
+from spacevln.language import cue_kind
+from spacevln.memory.arrival import ARRIVAL_RADIUS_M, blocked_by_wall
+from spacevln.perception.attributes import Agreement
+from spacevln.perception.matching import fit
+
+TOP_K = 2  # [authors' code]
+FUSION_DISTANCE_M = 0.6  # [authors' code]
+FUSION_EXTENT_SHARE = 0.25  # a large thing seen from elsewhere shows another centre [ours]
+MIN_CONFIDENCE = 0.25  # [authors' code: box threshold]
+MIN_PIXELS = 12  # with depth; smaller masks are noise [ours; the authors' code has no real filter]
+DUPLICATE_IOU = 0.65  # [authors' code]
+DUPLICATE_IOU_NEAR = 0.25  # with nearly the same range [authors' code]
+DUPLICATE_RANGE_M = 0.35  # [authors' code]
+MIN_ARRIVAL_CONFIDENCE = 0.4  # above what contradicted attributes allow [ours]
+FLOOR_CHANGE_M = 1.0  # of height that makes another floor [authors' code]
+SURFACE_CELL_M = 0.1
+
+
+@dataclass(slots=True)
+class _Instance:
+    """A landmark instance of this stage."""
+
+    number: int
+    category: str
+    attributes: tuple[str, ...]
+    position: tuple[float, float, float]
+    weight: float
+    confidence: float
+    extent_m: float
+    is_passage: bool
+    seen_in: int
+    last_image: int
+    surface: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
+
+    def nearest(self, pose: Pose) -> tuple[float, tuple[float, float]]:
+        """Horizontal distance to the nearest surface point seen so far, and that point."""
+        return min((pose.distance_m(x, y), (x, y)) for x, y in self.surface.values())
+
+
+class LocalLandmarkMemory:
+    """The landmark pool B^(k)_t of one stage.
+
+    Args:
+        landmark: the phrase ell_k; ``""`` tracks nothing.
+        start: pose at the beginning of the stage.
+        kind: of cue, decides the arrival rule; by default what the phrase says.
+        traverse: the stage goes along the stairs to another floor instead of ending at them; arrival is the change of floor.
+    """
+
+    def __init__(self, landmark: str, start: Pose, *, kind: CueKind | None = None, traverse: bool = False) -> None:
+        self.landmark = landmark
+        self.kind = cue_kind(landmark) if kind is None else kind
+        self._start = start
+        self._traverse = traverse and self.kind is CueKind.STAIRS
+        self._instances: list[_Instance] = []
+        self._images = 0
+        self._candidates: LandmarkPool = ()
+        self._changed_floor = False
+
+    def update(self, sightings: Sequence[Sighting], pose: Pose, metric_map: SpatialMap) -> None:
+        """Fuse the sightings of one image and judge every candidate from ``pose``."""
+        self._images += 1
+        fitting = [(sighting, capped) for sighting in sightings if (capped := self._confidence(sighting)) >= MIN_CONFIDENCE]
+        fitting.sort(key=lambda item: (-item[1], item[0].distance_m, item[0].box_px))
+        kept: list[tuple[Sighting, float]] = []
+        for sighting, confidence in fitting:
+            if not any(_duplicate(sighting, other) for other, _ in kept):
+                kept.append((sighting, confidence))
+        self._fuse(kept)
+        self._changed_floor = self._changed_floor or abs(pose.z_m - self._start.z_m) > FLOOR_CHANGE_M
+        self._candidates = tuple(sorted((self._judge(instance, pose, metric_map) for instance in self._instances), key=_rank))
+
+    def pool(self, k: int = TOP_K) -> LandmarkPool:
+        """Top-K: confidence descending, then distance ascending."""
+        return self._candidates[:k]
+
+    @property
+    def candidates(self) -> LandmarkPool:
+        """Every candidate of the stage, in the same order."""
+        return self._candidates
+
+    @property
+    def arrived(self) -> bool:
+        """Whether one of the top candidates is reached, or the floor that the stairs lead to."""
+        return any(candidate.arrived for candidate in self.pool()) or (self._traverse and self._changed_floor)
+
+    def _confidence(self, sighting: Sighting) -> float:
+        """Confidence that this is ell_k; 0 for what is no candidate."""
+        if not self.landmark or sighting.pixels < MIN_PIXELS:
+            return 0.0
+        agreement = fit(self.landmark, sighting.category, sighting.attributes)
+        return 0.0 if agreement is None else min(sighting.confidence, agreement.value)
+
+    def _fuse(self, sightings: list[tuple[Sighting, float]]) -> None:
+        """One-to-one, nearest pairs first: two things seen in one image stay two."""
+        pairs = []
+        for s, (sighting, _) in enumerate(sightings):
+            for instance in self._instances:
+                gate = FUSION_DISTANCE_M + FUSION_EXTENT_SHARE * max(instance.extent_m, sighting.extent_m)
+                apart = math.dist(sighting.position_m[:2], instance.position[:2])
+                level = abs(sighting.position_m[2] - instance.position[2]) <= FLOOR_CHANGE_M
+                compatible = fit(instance.category, sighting.category) or fit(sighting.category, instance.category)
+                if apart <= gate and level and compatible:
+                    pairs.append((apart, s, instance.number))
+        free_sightings, free_instances = set(range(len(sightings))), {instance.number for instance in self._instances}
+        for _, s, number in sorted(pairs):
+            if s in free_sightings and number in free_instances:
+                free_sightings.discard(s)
+                free_instances.discard(number)
+                self._absorb(self._instances[number], *sightings[s])
+        for s in sorted(free_sightings):
+            self._instances.append(self._born(*sightings[s]))
+
+    def _born(self, sighting: Sighting, confidence: float) -> _Instance:
+        instance = _Instance(
+            number=len(self._instances),
+            category=sighting.category,
+            attributes=sighting.attributes,
+            position=sighting.position_m,
+            weight=confidence,
+            confidence=confidence,
+            extent_m=sighting.extent_m,
+            is_passage=sighting.is_passage,
+            seen_in=1,
+            last_image=self._images,
+        )
+        _add_surface(instance, sighting)
+        return instance
+
+    def _absorb(self, instance: _Instance, sighting: Sighting, confidence: float) -> None:
+        """Position weighted by confidence, confidence the best so far (authors' code)."""
+        total = instance.weight + confidence
+        x, y, z = (
+            (old * instance.weight + new * confidence) / total
+            for old, new in zip(instance.position, sighting.position_m, strict=True)
+        )
+        instance.position = (x, y, z)
+        instance.weight = total
+        if confidence > instance.confidence:
+            instance.confidence, instance.category = confidence, sighting.category
+            instance.attributes = sighting.attributes or instance.attributes
+        instance.extent_m = max(instance.extent_m, sighting.extent_m)
+        instance.is_passage = instance.is_passage or sighting.is_passage
+        instance.seen_in += 1
+        instance.last_image = self._images
+        if self.kind is CueKind.OPENING and sighting.surface_m:
+            instance.surface.clear()  # a threshold is seen whole; the latest and nearest view is the best one
+        _add_surface(instance, sighting)
+
+    def _judge(self, instance: _Instance, pose: Pose, metric_map: SpatialMap) -> LandmarkCandidate:
+        distance, point = instance.nearest(pose)
+        return LandmarkCandidate(
+            instance=instance.number,
+            category=instance.category,
+            position_m=instance.position,
+            distance_m=distance,
+            bearing_rad=pose.bearing_rad(*instance.position[:2]),
+            confidence=instance.confidence,
+            visible=instance.last_image == self._images,
+            arrived=self._has_arrived(instance, distance, point, pose, metric_map),
+            kind=self.kind,
+            attributes=instance.attributes,
+            observations=instance.seen_in,
+        )
+
+    def _has_arrived(
+        self, instance: _Instance, distance: float, point: tuple[float, float], pose: Pose, metric_map: SpatialMap
+    ) -> bool:
+        if instance.confidence < MIN_ARRIVAL_CONFIDENCE or instance.confidence <= Agreement.CONTRADICTED.value:
+            return False
+        if self._traverse:
+            return self._changed_floor
+        if distance > ARRIVAL_RADIUS_M[self.kind]:
+            return False
+        return not blocked_by_wall(pose, point, metric_map)
+
+
+def summarise(pool: LandmarkPool, landmark: str) -> str:
+    """The stage-end summary in one line, for the planner: what became of the landmark."""
+    if not landmark:
+        return "no landmark was tracked"
+    if not pool:
+        return f"{landmark}: never seen"
+    return "; ".join(
+        f"{candidate.category}{' (arrived)' if candidate.arrived else ''} {candidate.distance_m:.1f} m "
+        f"{egocentric_label(candidate.bearing_rad)}{'' if candidate.visible else ', remembered'}"
+        for candidate in pool
+    )
+
+
+def _rank(candidate: LandmarkCandidate) -> tuple[float, float, int]:
+    return (-round(candidate.confidence, 2), round(candidate.distance_m, 3), candidate.instance)
+
+
+def _add_surface(instance: _Instance, sighting: Sighting) -> None:
+    for x, y in sighting.surface_m or (sighting.position_m[:2],):
+        instance.surface.setdefault((math.floor(x / SURFACE_CELL_M), math.floor(y / SURFACE_CELL_M)), (x, y))
+
+
+def _duplicate(a: Sighting, b: Sighting) -> bool:
+    """Two masks of one thing in one image."""
+    ax0, ay0, ax1, ay1 = a.box_px
+    bx0, by0, bx1, by1 = b.box_px
+    overlap = max(0, min(ax1, bx1) - max(ax0, bx0)) * max(0, min(ay1, by1) - max(ay0, by0))
+    union = (ax1 - ax0) * (ay1 - ay0) + (bx1 - bx0) * (by1 - by0) - overlap
+    iou = overlap / union if union > 0 else 0.0
+    return iou >= DUPLICATE_IOU or (iou >= DUPLICATE_IOU_NEAR and abs(a.distance_m - b.distance_m) <= DUPLICATE_RANGE_M)

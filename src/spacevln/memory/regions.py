@@ -1,0 +1,197 @@
+"""Regions: waypoints of one type whose metric supports agree (paper appendix, "Spatial Waypoints and region topology").
+
+The support of a waypoint is the free floor in line of sight of it, up to 3 m away and not beyond a threshold (a doorway or
+opening that was seen). Waypoints of one type join when their supports overlap, or when they see each other within 5 m;
+thresholds, and connectors between them, keep them apart.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacevln.core import Pose, SpatialMap, SpatialWaypoint
+from spacevln.memory.thresholds import Threshold, Thresholds, crossing_m
+
+CELL_M = 0.1
+SUPPORT_RADIUS_M = 3.0  # [ours; authors' code 2 m]
+SEED_RADIUS_M = 0.5  # the floor around a waypoint always belongs to it
+MIN_OVERLAP = 0.1  # of the smaller support
+JOIN_DISTANCE_M = 5.0  # [authors' code]
+_RAYS = 200
+_STEP_M = 0.05
+_UNKNOWN_GAP_M = 0.3  # a ray may cross this much unseen floor
+
+_ANGLES = np.arange(_RAYS) * (math.tau / _RAYS)
+_DIRECTIONS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
+_RANGES = np.arange(1, round(SUPPORT_RADIUS_M / _STEP_M) + 1) * _STEP_M
+_OFFSET = 1 << 30
+
+Cells = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A space: one or several waypoints of the same type that share their floor.
+
+    Args:
+        label: type and number, ``"bedroom 2"``; stays with the region while it grows.
+        type: normalised region type or free text.
+        floor: storey.
+        waypoints: member indices, ascending.
+    """
+
+    label: str
+    type: str
+    floor: int
+    waypoints: tuple[int, ...]
+
+
+def cells_of(xy_m: NDArray[np.float64]) -> Cells:
+    """Sorted unique keys of the 0.1 m cells that hold the (N, 2) points."""
+    ij = np.floor(xy_m / CELL_M).astype(np.int64)
+    return np.unique((ij[:, 0] + _OFFSET) << 32 | (ij[:, 1] + _OFFSET))
+
+
+def cell_ij(cells: Cells) -> NDArray[np.int64]:
+    """Indices (N, 2) of cell keys."""
+    return np.stack([(cells >> 32) - _OFFSET, (cells & 0xFFFFFFFF) - _OFFSET], axis=1)
+
+
+def support(pose: Pose, metric_map: SpatialMap, thresholds: Sequence[Threshold]) -> Cells:
+    """The free floor seen from a pose: keys of 0.1 m cells, sorted."""
+    points = pose.xy_m + _RANGES[None, :, None] * _DIRECTIONS[:, None, :]
+    flat = points.reshape(-1, 2)
+    free = metric_map.is_free(flat).reshape(_RAYS, -1)
+    wall = metric_map.is_obstacle(flat).reshape(_RAYS, -1)
+    seed = _RANGES <= SEED_RADIUS_M
+    wall = wall & (_RANGES > 2 * CELL_M)
+    unknown_m = np.cumsum(~free & ~seed, axis=1) * _STEP_M
+    limit = crossing_m(pose.xy_m, _DIRECTIONS, thresholds)
+    inside = (np.cumsum(wall, axis=1) == 0) & (unknown_m <= _UNKNOWN_GAP_M) & (_RANGES[None] < limit[:, None])
+    return cells_of(points[inside & (free | seed)])
+
+
+class Regions:
+    """Which waypoint belongs to which region. Follows the waypoints as they come; labels are stable."""
+
+    def __init__(self) -> None:
+        self.version = 0
+        self._supports: list[Cells] = []
+        self._numbers: list[int] = []  # number in the label, by waypoint
+        self._joined: dict[tuple[int, int], bool] = {}
+        self._regions: tuple[Region, ...] = ()
+        self._of: list[int] = []  # index into _regions, by waypoint
+
+    @property
+    def all(self) -> tuple[Region, ...]:
+        """Every region, in the order of its first waypoint."""
+        return self._regions
+
+    def of(self, waypoint: int) -> Region:
+        """The region of a waypoint."""
+        return self._regions[self._of[waypoint]]
+
+    def support_of(self, waypoint: int) -> Cells:
+        """The cells of a waypoint."""
+        return self._supports[waypoint]
+
+    def update(
+        self, waypoints: Sequence[SpatialWaypoint], changed: Sequence[int], metric_map: SpatialMap, thresholds: Thresholds
+    ) -> None:
+        """Take in new waypoints, and those whose surroundings changed.
+
+        Args:
+            waypoints: all of them.
+            changed: indices whose support is to be seen anew, new ones included.
+            metric_map: of the current floor; every changed waypoint lies on it.
+            thresholds: seen so far.
+        """
+        for index in sorted(changed):
+            waypoint = waypoints[index]
+            cells = support(waypoint.pose, metric_map, thresholds.on(waypoint.floor))
+            if index < len(self._supports):
+                self._supports[index] = cells
+            else:
+                self._supports.append(cells)
+        moved = set(changed)
+        for a, b in _near_pairs(waypoints):
+            if a in moved or b in moved or (a, b) not in self._joined:
+                self._joined[a, b] = self._agree(waypoints[a], waypoints[b], metric_map, thresholds)
+        self._rebuild(waypoints)
+        self.version += 1
+
+    def at(self, xy_m: NDArray[np.float64], floor: int, waypoints: Sequence[SpatialWaypoint]) -> Region | None:
+        """The region that a point lies in: that of the nearest waypoint whose support holds it."""
+        key = cells_of(np.asarray(xy_m, np.float64)[None])[0]
+        best: tuple[float, int] | None = None
+        for waypoint in waypoints:
+            cells = self._supports[waypoint.index]
+            slot = np.searchsorted(cells, key)
+            if waypoint.floor == floor and slot < len(cells) and cells[slot] == key:
+                candidate = (waypoint.pose.distance_m(float(xy_m[0]), float(xy_m[1])), waypoint.index)
+                best = candidate if best is None else min(best, candidate)
+        return None if best is None else self.of(best[1])
+
+    def _agree(self, a: SpatialWaypoint, b: SpatialWaypoint, metric_map: SpatialMap, thresholds: Thresholds) -> bool:
+        """Whether two waypoints of one type stand in one space."""
+        if thresholds.between(a.floor, a.pose.xy_m, b.pose.xy_m):
+            return False
+        one, two = self._supports[a.index], self._supports[b.index]
+        shared = len(np.intersect1d(one, two, assume_unique=True))
+        if shared >= MIN_OVERLAP * min(len(one), len(two)):
+            return True
+        near = a.pose.distance_m(b.pose.x_m, b.pose.y_m) <= JOIN_DISTANCE_M
+        return near and metric_map.line_of_sight(a.pose.xy_m, b.pose.xy_m)
+
+    def _rebuild(self, waypoints: Sequence[SpatialWaypoint]) -> None:
+        parent = list(range(len(waypoints)))
+
+        def root(index: int) -> int:
+            while parent[index] != index:
+                index = parent[index]
+            return index
+
+        for (a, b), joined in sorted(self._joined.items()):
+            if joined:
+                low, high = sorted((root(a), root(b)))
+                parent[high] = low
+        groups: dict[int, list[int]] = {}
+        for index in range(len(waypoints)):
+            groups.setdefault(root(index), []).append(index)
+        self._label(waypoints, list(groups.values()))
+
+    def _label(self, waypoints: Sequence[SpatialWaypoint], groups: list[list[int]]) -> None:
+        """Number the regions of each type; a region keeps the lowest number its waypoints ever had."""
+        taken: dict[str, set[int]] = {}
+        regions: list[Region] = []
+        self._of = [0] * len(waypoints)
+        for members in groups:
+            kind = waypoints[members[0]].region or "unknown place"
+            used = taken.setdefault(kind, set())
+            had = [self._numbers[index] for index in members if index < len(self._numbers)]
+            number = min((n for n in had if n not in used), default=0)
+            if not number:
+                reserved = used | {n for index, n in enumerate(self._numbers) if (waypoints[index].region or kind) == kind}
+                number = next(n for n in range(1, len(waypoints) + 2) if n not in reserved)
+            used.add(number)
+            for index in members:
+                self._of[index] = len(regions)
+            regions.append(Region(f"{kind} {number}", kind, waypoints[members[0]].floor, tuple(members)))
+        self._regions = tuple(regions)
+        self._numbers = [int(self.of(index).label.rsplit(" ", 1)[1]) for index in range(len(waypoints))]
+
+
+def _near_pairs(waypoints: Sequence[SpatialWaypoint]) -> list[tuple[int, int]]:
+    """Pairs of one type and floor whose supports could touch."""
+    pairs = []
+    for b in waypoints:
+        for a in waypoints[: b.index]:
+            same = a.region == b.region and a.floor == b.floor
+            if same and a.pose.distance_m(b.pose.x_m, b.pose.y_m) <= 2 * SUPPORT_RADIUS_M:
+                pairs.append((a.index, b.index))
+    return pairs

@@ -1,0 +1,266 @@
+"""The rendered map mu_k: heading-up, agent-centred, regions coloured and labelled (paper appendix, "map rendering")."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from spacevln.core import Pose
+from spacevln.core.geometry import Float
+from spacevln.memory.metric import MemoryMap
+from spacevln.memory.regions import CELL_M, Region, cell_ij
+
+if TYPE_CHECKING:
+    from spacevln.memory.hierarchical import HierarchicalSpatialMemory
+
+SIZE_PX = 440  # [authors' code]
+LEGEND_PX = 40
+WINDOW_M = (8.0, 24.0)  # side of the drawn square: what is known, within these bounds
+MARGIN_M = 0.6
+
+Colour = tuple[int, int, int]
+_UNKNOWN: Colour = (238, 239, 243)
+_FREE: Colour = (214, 232, 208)
+_OBSTACLE: Colour = (38, 42, 54)
+_WALKED: Colour = (142, 52, 168)
+_AGENT: Colour = (218, 38, 38)
+_THRESHOLD: Colour = (201, 123, 30)
+_INK: Colour = (28, 32, 44)
+_FRAME: Colour = (120, 126, 140)
+_REGIONS: tuple[Colour, ...] = (
+    (166, 206, 240), (250, 205, 160), (190, 226, 170), (244, 184, 200), (205, 190, 236),
+    (248, 232, 150), (160, 222, 218), (226, 196, 168), (196, 208, 222), (232, 178, 232),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """Where world points lie in the picture."""
+
+    pose: Pose
+    window_m: float
+
+    @property
+    def scale(self) -> float:
+        """Pixels per metre."""
+        return SIZE_PX / self.window_m
+
+    def pixels(self, xy_m: Float) -> Float:
+        """(N, 2) world points as (u, v)."""
+        c, s = math.cos(self.pose.yaw_rad), math.sin(self.pose.yaw_rad)
+        d = np.asarray(xy_m, np.float64).reshape(-1, 2) - self.pose.xy_m
+        ahead, left = d @ (c, s), d @ (-s, c)
+        return np.stack([SIZE_PX / 2 - left * self.scale, SIZE_PX / 2 - ahead * self.scale], axis=1)
+
+
+def render_map(memory: HierarchicalSpatialMemory, pose: Pose, metric_map: MemoryMap) -> NDArray[np.uint8]:
+    """Draw mu_k for the current floor, shape (480, 440, 3) RGB; the lowest 40 rows are the legend."""
+    crop = metric_map.crop(pose.xy_m, WINDOW_M[1], pose.yaw_rad)
+    frame = _Frame(pose, _window(crop.explored))
+    floor = metric_map.floor
+    canvas = np.empty((SIZE_PX, SIZE_PX, 3), np.uint8)
+    canvas[:] = _UNKNOWN
+    free = _zoomed(crop.free, frame.window_m)
+    _blend(canvas, free, np.array(_FREE, np.float32))
+    labels = _region_labels(memory, frame, floor)
+    _blend(canvas, free * (labels > 0), _palette(len(memory.regions.all))[labels])
+    _blend(canvas, _zoomed(crop.obstacle, frame.window_m), np.array(_OBSTACLE, np.float32))
+    _draw_ways(canvas, memory, frame, floor)
+    picture = Image.new("RGB", (SIZE_PX, SIZE_PX + LEGEND_PX))
+    picture.paste(Image.fromarray(canvas))
+    picture.paste(_legend(), (0, SIZE_PX))
+    draw = ImageDraw.Draw(picture)
+    _draw_region_names(draw, memory, labels)
+    _draw_waypoints(draw, memory, frame, floor)
+    _draw_border(draw, frame)
+    return np.array(picture)
+
+
+def _window(explored: NDArray[np.bool_]) -> float:
+    """Side of the square that holds all that is known."""
+    side = len(explored)
+    rows, columns = np.flatnonzero(explored.any(axis=1)), np.flatnonzero(explored.any(axis=0))
+    if len(rows) == 0:
+        return WINDOW_M[0]
+    middle = (side - 1) / 2
+    reach = max(middle - rows[0], rows[-1] - middle, middle - columns[0], columns[-1] - middle) / side * WINDOW_M[1]
+    return float(min(max(2 * (reach + MARGIN_M), WINDOW_M[0]), WINDOW_M[1]))
+
+
+def _zoomed(mask: NDArray[np.bool_], window_m: float) -> NDArray[np.float32]:
+    """The middle ``window_m`` of a 24 m mask as opacity (0 to 1) with smooth borders."""
+    side = len(mask)
+    kept = max(2, round(side * window_m / WINDOW_M[1]))
+    first = (side - kept) // 2
+    part = np.ascontiguousarray(mask[first : first + kept, first : first + kept], np.uint8).astype(np.float32)
+    soft = cv2.resize(part, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_LINEAR)
+    sharpness = max(1.0, SIZE_PX / kept)
+    return np.asarray(np.clip((soft - 0.5) * sharpness + 0.5, 0.0, 1.0), np.float32)
+
+
+def _blend(canvas: NDArray[np.uint8], opacity: NDArray[np.float32], colour: NDArray[np.float32]) -> None:
+    where = np.nonzero(opacity > 0)
+    a = opacity[where][:, None]
+    paint = colour if colour.ndim == 1 else colour[where]
+    canvas[where] = (canvas[where] * (1 - a) + paint * a + 0.5).astype(np.uint8)
+
+
+def _palette(count: int) -> NDArray[np.float32]:
+    """Colour of every label; label 0 is no region."""
+    return np.array([_FREE, *(_REGIONS[index % len(_REGIONS)] for index in range(count))], np.float32)
+
+
+def _region_labels(memory: HierarchicalSpatialMemory, frame: _Frame, floor: int) -> NDArray[np.uint8]:
+    """1 + index of the region at every pixel, 0 where there is none; a floor cell belongs to its nearest waypoint's region."""
+    raster = region_raster(memory, floor)
+    if raster is None:
+        return np.zeros((SIZE_PX, SIZE_PX), np.uint8)
+    owner, i0, j0 = raster
+    c, s = math.cos(frame.pose.yaw_rad), math.sin(frame.pose.yaw_rad)
+    k, half = 1 / (frame.scale * CELL_M), (SIZE_PX - 1) / 2
+    along_x, along_y = (s * k, -c * k), (-c * k, -s * k)  # change of (x, y) cells per pixel of u and of v
+    x0 = frame.pose.x_m / CELL_M - i0 - 0.5 - half * (along_x[0] + along_x[1])
+    y0 = frame.pose.y_m / CELL_M - j0 - 0.5 - half * (along_y[0] + along_y[1])
+    to_source = np.array([[along_y[0], along_y[1], y0], [along_x[0], along_x[1], x0]])
+    flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
+    labels = cv2.warpAffine(owner, to_source, (SIZE_PX, SIZE_PX), flags=flags, borderMode=cv2.BORDER_CONSTANT, borderValue=0)
+    return np.asarray(cv2.medianBlur(labels, 7), np.uint8)
+
+
+def region_raster(memory: HierarchicalSpatialMemory, floor: int) -> tuple[NDArray[np.uint8], int, int] | None:
+    """Which region owns each 0.1 m cell of a floor: (1 + index of the region) by [i - i0, j - j0], and i0, j0."""
+    members = [waypoint for waypoint in memory.waypoints if waypoint.floor == floor]
+    if not members:
+        return None
+    cells = [cell_ij(memory.regions.support_of(waypoint.index)) for waypoint in members]
+    i0, j0 = np.min([part.min(axis=0) for part in cells], axis=0)
+    shape = np.max([part.max(axis=0) for part in cells], axis=0) - (i0, j0) + 1
+    owner, nearest = np.zeros(shape, np.uint8), np.full(shape, np.inf, np.float32)
+    order = {region.label: index + 1 for index, region in enumerate(memory.regions.all)}
+    for waypoint, part in zip(members, cells, strict=True):
+        i, j = (part - (i0, j0)).T
+        gap = np.hypot((part[:, 0] + 0.5) * CELL_M - waypoint.pose.x_m, (part[:, 1] + 0.5) * CELL_M - waypoint.pose.y_m)
+        closer = gap < nearest[i, j]
+        nearest[i[closer], j[closer]] = gap[closer]
+        owner[i[closer], j[closer]] = min(order[memory.regions.of(waypoint.index).label], 255)
+    return owner, int(i0), int(j0)
+
+
+def _draw_ways(canvas: NDArray[np.uint8], memory: HierarchicalSpatialMemory, frame: _Frame, floor: int) -> None:
+    """Thresholds and the walked way, with smooth lines."""
+    for threshold in memory.thresholds.on(floor):
+        ends = np.round(frame.pixels(np.array([threshold.a_m, threshold.b_m])) * 8).astype(np.int32)
+        cv2.line(canvas, ends[0].tolist(), ends[1].tolist(), _THRESHOLD, 4, cv2.LINE_AA, 3)
+    track = memory.track_m
+    points = np.round(frame.pixels(np.array([entry[1:] for entry in track])) * 8).astype(np.int32) if track else np.zeros((0, 2))
+    on_floor = np.array([entry[0] == floor for entry in track], np.bool_)
+    breaks = np.flatnonzero(np.diff(on_floor.astype(np.int8))) + 1
+    for part, keep in zip(np.split(points, breaks), np.split(on_floor, breaks), strict=True):
+        if len(part) > 1 and keep[0]:
+            cv2.polylines(canvas, [part.astype(np.int32)], False, _WALKED, 3, cv2.LINE_AA, 3)
+    _draw_agent(canvas)
+
+
+def _draw_agent(canvas: NDArray[np.uint8]) -> None:
+    shape = np.array([[0, -15], [10, 11], [0, 5], [-10, 11]]) + SIZE_PX / 2
+    for grown, colour in ((1.35, (255, 255, 255)), (1.0, _AGENT)):
+        corners = np.round(((shape - SIZE_PX / 2) * grown + SIZE_PX / 2) * 8).astype(np.int32)
+        cv2.fillPoly(canvas, [corners], colour, cv2.LINE_AA, 3)
+
+
+def _draw_region_names(draw: ImageDraw.ImageDraw, memory: HierarchicalSpatialMemory, labels: NDArray[np.uint8]) -> None:
+    taken: list[tuple[float, float, float, float]] = [(SIZE_PX / 2 - 14, SIZE_PX / 2 - 18, SIZE_PX / 2 + 14, SIZE_PX / 2 + 14)]
+    for index, region in enumerate(memory.regions.all):
+        rows, columns = np.nonzero(labels == index + 1)
+        if len(rows) < 150:
+            continue
+        _draw_tag(draw, region, float(np.median(columns)), float(np.median(rows)), taken, _REGIONS[index % len(_REGIONS)])
+
+
+def _draw_tag(
+    draw: ImageDraw.ImageDraw, region: Region, u: float, v: float, taken: list[tuple[float, float, float, float]], colour: Colour
+) -> None:
+    """A name on its region, moved up or down until it covers no other."""
+    font = _font(13)
+    width = draw.textlength(region.label, font) + 10
+    u = min(max(u, width / 2 + 2), SIZE_PX - width / 2 - 2)
+    for shift in (0, -20, 20, -40, 40, -60, 60):
+        box = (u - width / 2, v + shift - 9, u + width / 2, v + shift + 9)
+        inside = box[1] >= 2 and box[3] <= SIZE_PX - 2
+        if inside and all(box[2] < t[0] or t[2] < box[0] or box[3] < t[1] or t[3] < box[1] for t in taken):
+            break
+    taken.append(box)
+    dark = tuple(round(channel * 0.42) for channel in colour)
+    draw.rounded_rectangle(box, 5, fill=dark, outline=(255, 255, 255))
+    draw.text(((box[0] + box[2]) / 2, (box[1] + box[3]) / 2), region.label, (255, 255, 255), font, anchor="mm")
+
+
+def _draw_waypoints(draw: ImageDraw.ImageDraw, memory: HierarchicalSpatialMemory, frame: _Frame, floor: int) -> None:
+    font = _font(10)
+    for waypoint in memory.waypoints:
+        u, v = frame.pixels(waypoint.pose.xy_m)[0]
+        if waypoint.floor != floor or not (8 < u < SIZE_PX - 8 and 8 < v < SIZE_PX - 8):
+            continue
+        if math.hypot(u - SIZE_PX / 2, v - SIZE_PX / 2) < 14:
+            continue  # under the agent
+        draw.ellipse((u - 7, v - 7, u + 7, v + 7), fill=(255, 255, 255), outline=_WALKED, width=2)
+        draw.text((u, v), str(waypoint.index), _INK, font, anchor="mm")
+
+
+def _draw_border(draw: ImageDraw.ImageDraw, frame: _Frame) -> None:
+    middle, font = SIZE_PX / 2, _font(11)
+    for text, at, anchor in (
+        ("front", (middle, 4), "mt"),
+        ("back", (middle, SIZE_PX - 4), "mb"),
+        ("left", (5, middle), "lm"),
+        ("right", (SIZE_PX - 5, middle), "rm"),
+    ):
+        draw.text(at, text, _INK, font, anchor=anchor, stroke_width=2, stroke_fill=(255, 255, 255))
+    length = 2 * frame.scale
+    y = SIZE_PX - 10
+    draw.line((SIZE_PX - 10 - length, y, SIZE_PX - 10, y), fill=_INK, width=2)
+    draw.text((SIZE_PX - 10 - length / 2, y - 3), "2 m", _INK, font, anchor="mb", stroke_width=2, stroke_fill=(255, 255, 255))
+    draw.rectangle((0, 0, SIZE_PX - 1, SIZE_PX + LEGEND_PX - 1), outline=_FRAME)
+
+
+@lru_cache(maxsize=1)
+def _legend() -> Image.Image:
+    """The strip under the map; always the same."""
+    strip = Image.new("RGB", (SIZE_PX, LEGEND_PX), (255, 255, 255))
+    draw = ImageDraw.Draw(strip)
+    font = _font(11)
+    entries = (
+        ("unexplored", _UNKNOWN, "box"),
+        ("obstacle", _OBSTACLE, "box"),
+        ("free floor", _FREE, "box"),
+        ("space", _REGIONS[0], "box"),
+        ("walked way", _WALKED, "line"),
+        ("doorway", _THRESHOLD, "line"),
+        ("waypoint", _WALKED, "ring"),
+        ("you, facing up", _AGENT, "arrow"),
+    )
+    for index, (text, colour, mark) in enumerate(entries):
+        x, y = 10 + index % 4 * 108, 11 + index // 4 * 18
+        if mark == "box":
+            draw.rectangle((x, y - 5, x + 14, y + 5), fill=colour, outline=_FRAME)
+        elif mark == "line":
+            draw.line((x, y, x + 14, y), fill=colour, width=4)
+        elif mark == "ring":
+            draw.ellipse((x + 2, y - 5, x + 12, y + 5), fill=(255, 255, 255), outline=colour, width=2)
+        else:
+            draw.polygon(((x + 7, y - 7), (x + 13, y + 6), (x + 7, y + 3), (x + 1, y + 6)), fill=colour)
+        draw.text((x + 20, y), text, _INK, font, anchor="lm")
+    draw.line((0, 0, SIZE_PX, 0), fill=_FRAME)
+    return strip
+
+
+@lru_cache(maxsize=8)
+def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(size)

@@ -1,0 +1,184 @@
+"""Lift detections to the episode frame with depth (paper, "Local Landmark Memory": detections are projected with depth).
+
+A solid's place comes from the inside of its mask, away from the border where depth bleeds. An opening has no surface of its
+own: its place is the threshold between its jambs, and it is a way through when depth goes on beyond them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from spacevln.core import CueKind, Detection, Observation, Sighting
+from spacevln.core.geometry import Float
+from spacevln.language import cue_kind
+
+MIN_PIXELS = 6  # with depth, inside the mask
+MIN_VALID_SHARE = 0.1  # of the mask's pixels that must have depth
+SAMPLES = 400  # pixels looked at per mask
+INSET_SHARE = 0.08  # of the box's smaller side, between 1 and 8 px
+NEAREST_PERCENTILE = 5.0
+SURFACE_POINTS = 8
+PASSAGE_DEPTH_M = 0.4  # depth beyond the jambs that makes an opening a passage [ours]
+
+_DIRECTIONS = np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(6) * math.pi / 6])
+
+
+def lift(observation: Observation, detections: Sequence[Detection]) -> tuple[Sighting, ...]:
+    """Sightings of the detections whose mask holds depth, in the same order; the others are dropped.
+
+    Args:
+        observation: image the detections were found in; depth 0, NaN and inf count as no measurement.
+        detections: with or without masks.
+    """
+    lifted = []
+    for detection in detections:
+        opening = cue_kind(detection.category) is CueKind.OPENING
+        sighting = _lift_opening(observation, detection) if opening else None
+        sighting = sighting or _lift_solid(observation, detection)
+        if sighting is not None:
+            lifted.append(sighting)
+    return tuple(lifted)
+
+
+def _lift_solid(observation: Observation, detection: Detection) -> Sighting | None:
+    sampled = _sample(observation.depth_m, detection)
+    if sampled is None:
+        return None
+    u, v, depth, pixels = sampled
+    spread = np.abs(depth - np.median(depth))
+    kept = spread <= 3 * np.median(spread) + 0.15
+    points = _to_world(observation, u[kept], v[kept], depth[kept])
+    return _sighting(observation, detection, np.median(points, axis=0), points, pixels)
+
+
+def _lift_opening(observation: Observation, detection: Detection) -> Sighting | None:
+    """Threshold from jamb to jamb; None when no jamb has depth."""
+    profile, u0 = _profile(observation.depth_m, detection.box_px)
+    side = max(2, len(profile) // 5)
+    if len(profile) < 3 * side:
+        return None
+    ends = [_jamb(profile[:side], u0), _jamb(profile[-side:], u0 + len(profile) - side)]
+    nearest = min(depth for depth, _ in ends)
+    cut = (u0 <= 0, u0 + len(profile) >= observation.camera.width_px)  # there the image ends, not the opening
+    ends = [end for end, is_cut in zip(ends, cut, strict=True) if end[0] < (nearest + 1.0 if is_cut else math.inf)]
+    if not ends:
+        return None
+    depths, columns = np.array(ends).T
+    row = (detection.box_px[1] + detection.box_px[3]) / 2
+    jambs = _to_world(observation, columns, np.full(len(ends), row), depths)
+    inner = profile[side:-side]
+    beyond = float(np.median(np.where(np.isfinite(inner), inner, np.inf)))
+    is_passage = len(ends) == 2 and beyond > depths.max() + PASSAGE_DEPTH_M
+    threshold = jambs[:1] + np.linspace(0.0, 1.0, SURFACE_POINTS)[:, None] * (jambs[-1:] - jambs[:1])
+    return _sighting(observation, detection, jambs.mean(axis=0), threshold, int(np.isfinite(profile).sum()), is_passage)
+
+
+def _sighting(
+    observation: Observation, detection: Detection, centre: Float, points: Float, pixels: int, is_passage: bool = False
+) -> Sighting:
+    eye = observation.T_world_camera[:2, 3]
+    xy = points[:, :2]
+    ranges = np.hypot(*(xy - eye).T)
+    spans = np.sort(xy @ _DIRECTIONS.T, axis=0)
+    trim = len(xy) // 20
+    extent = float((spans[len(xy) - 1 - trim] - spans[trim]).max())
+    nearest = float(np.sort(ranges)[int(len(ranges) * NEAREST_PERCENTILE / 100)])
+    surface = xy if len(xy) <= SURFACE_POINTS else _nearest_by_direction(xy, eye, ranges)
+    return Sighting(
+        category=detection.category,
+        confidence=detection.confidence,
+        box_px=detection.box_px,
+        position_m=(float(centre[0]), float(centre[1]), float(centre[2])),
+        distance_m=nearest,
+        bearing_rad=observation.pose.bearing_rad(float(centre[0]), float(centre[1])),
+        extent_m=extent,
+        attributes=detection.attributes,
+        is_passage=is_passage,
+        pixels=pixels,
+        surface_m=tuple((float(x), float(y)) for x, y in surface),
+    )
+
+
+def _nearest_by_direction(xy: Float, eye: Float, ranges: Float) -> Float:
+    """For each of a few directions from the eye, a near (not the very nearest: noise) surface point; left to right."""
+    order = np.argsort(np.arctan2(*(xy - eye).T[::-1]) - math.atan2(*(xy.mean(axis=0) - eye)[::-1]), kind="stable")
+    chosen = []
+    for part in np.array_split(order, SURFACE_POINTS):
+        by_range = part[np.argsort(ranges[part], kind="stable")]
+        chosen.append(by_range[len(by_range) // 20])
+    return xy[chosen]
+
+
+def _sample(depth_m: NDArray[np.float32], detection: Detection) -> tuple[Float, Float, Float, int] | None:
+    """Columns, rows and depths of up to ``SAMPLES`` pixels well inside the mask, and how many mask pixels have depth."""
+    x0, y0, x1, y1 = detection.box_px
+    window = depth_m[y0:y1, x0:x1]
+    if window.size == 0:
+        return None
+    mask = detection.mask if detection.mask is not None else _centre(window.shape)
+    valid = mask & (window > 0) & (window < np.inf)
+    pixels = int(np.count_nonzero(valid))
+    if pixels < MIN_PIXELS or pixels < MIN_VALID_SHARE * np.count_nonzero(mask):
+        return None
+    inset = int(min(max(round(INSET_SHARE * min(window.shape)), 1), 8))
+    kernel = np.ones((2 * inset + 1, 2 * inset + 1), np.uint8)
+    inner = cv2.erode(valid.astype(np.uint8), kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    flat = np.flatnonzero(inner)
+    if len(flat) < MIN_PIXELS:  # a thin or small thing: nothing lies that deep inside
+        flat = np.flatnonzero(valid)
+    flat = flat[:: max(1, len(flat) // SAMPLES)]
+    rows, columns = np.divmod(flat, window.shape[1])
+    return (
+        (columns + x0).astype(np.float64),
+        (rows + y0).astype(np.float64),
+        window.ravel()[flat].astype(np.float64),
+        pixels,
+    )
+
+
+def _centre(shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """The middle half of a box that has no mask."""
+    mask = np.zeros(shape, np.bool_)
+    height, width = shape
+    mask[height // 4 : height - height // 4, width // 4 : width - width // 4] = True
+    return mask
+
+
+def _profile(depth_m: NDArray[np.float32], box_px: tuple[int, int, int, int]) -> tuple[Float, int]:
+    """Median depth of each column across the box and a little beyond (NaN = none), and the first column.
+
+    The middle third of the height is read: neither lintel nor floor.
+    """
+    x0, y0, x1, y1 = box_px
+    beside = max(2, (x1 - x0) // 12)
+    x0, x1 = max(x0 - beside, 0), min(x1 + beside, depth_m.shape[1])
+    third = max(1, (y1 - y0) // 3)
+    band = depth_m[y0 + third : max(y1 - third, y0 + third + 1), x0:x1]
+    band = band[:: max(1, len(band) // 9)].astype(np.float64)
+    band = np.where((band > 0) & (band < np.inf), band, np.nan)
+    ordered = np.sort(band, axis=0)  # NaN sorts last
+    middle = np.maximum(np.isfinite(band).sum(axis=0) - 1, 0) // 2
+    return ordered[middle, np.arange(band.shape[1])], x0
+
+
+def _jamb(columns: Float, offset: int) -> tuple[float, float]:
+    """Depth of the nearest surface at one side of the profile and its column; inf when nothing was measured there."""
+    if not np.isfinite(columns).any():
+        return math.inf, float(offset)
+    nearest = float(np.nanmin(columns))
+    near = np.flatnonzero(columns <= nearest + 0.1)
+    return nearest, offset + float(near.mean())
+
+
+def _to_world(observation: Observation, u: Float, v: Float, depth: Float) -> Float:
+    """Pixels (u, v: column and row) with depth as points (N, 3) of the episode frame."""
+    camera = observation.camera
+    left = -(u + 0.5 - camera.cx_px) / camera.fx_px * depth
+    up = -(v + 0.5 - camera.cy_px) / camera.fy_px * depth
+    T = observation.T_world_camera
+    return np.stack([depth, left, up], axis=1) @ T[:3, :3].T + T[:3, 3]
