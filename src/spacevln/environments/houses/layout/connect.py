@@ -106,12 +106,12 @@ def _links(rng: np.random.Generator, draft: Draft) -> list[tuple[int, int, Openi
 
 
 def _public_links(rng: np.random.Generator, draft: Draft, public: list[int]) -> list[tuple[int, int, OpeningKind, bool]]:
-    links: list[tuple[int, int, OpeningKind, bool]] = []
-    for k, a in enumerate(public):
-        for b in public[k + 1 :]:
-            if any(stretch.length > 0.9 for stretch in common_walls(draft, a, b)):
-                links.append((a, b, "opening" if rng.random() < 0.72 else "doorway", False))
-    return links
+    return [
+        (a, b, "opening" if rng.random() < 0.72 else "doorway", False)
+        for k, a in enumerate(public)
+        for b in public[k + 1 :]
+        if any(stretch.length > 0.9 for stretch in common_walls(draft, a, b))
+    ]
 
 
 def _hall_doors(rng: np.random.Generator, draft: Draft, hall: int, public: list[int]) -> list[int]:
@@ -132,7 +132,9 @@ def _cut(rng: np.random.Generator, draft: Draft, a: int, b: int, kind: OpeningKi
     stretches = [stretch for stretch in common_walls(draft, a, b) if stretch.length >= 0.95]
     if not stretches:
         return None
-    stretch = max(stretches, key=lambda piece: piece.length) if kind == "opening" else stretches[int(rng.integers(len(stretches)))]
+    stretch = (
+        max(stretches, key=lambda piece: piece.length) if kind == "opening" else stretches[int(rng.integers(len(stretches)))]
+    )
     if kind == "opening" and stretch.length < 1.2 and "hallway" not in (draft.cells[a].type, draft.cells[b].type):
         kind = "doorway"
     if kind == "opening":
@@ -203,7 +205,9 @@ def outer_walls(draft: Draft, index: int) -> list[Stretch]:
         sides = (("x", rect.y0, -1), ("x", rect.y1, 1), ("y", rect.x0, -1), ("y", rect.x1, 1))
         for axis, across, _ in sides:
             low, high = (rect.x0, rect.x1) if axis == "x" else (rect.y0, rect.y1)
-            taken = sorted(_covers(other, axis, across) for other in others if other is not rect and _touches(other, axis, across))
+            taken = sorted(
+                _covers(other, axis, across) for other in others if other is not rect and _touches(other, axis, across)
+            )
             cursor = low
             for a, b in [*taken, (high, high)]:
                 if a > cursor:

@@ -116,7 +116,11 @@ def ring(rng: np.random.Generator) -> Draft | None:
         return None
     if not fill(rng, draft, strip(0.0, y3, length, y3 + north, "south"), 0, ("bedroom",)):
         return None
-    return draft if fill_row(rng, draft, strip(length, south, length + east, y3, "west"), 0, _single(rng, y3 - south, east)) else None
+    return (
+        draft
+        if fill_row(rng, draft, strip(length, south, length + east, y3, "west"), 0, _single(rng, y3 - south, east))
+        else None
+    )
 
 
 def two_floors(rng: np.random.Generator) -> Draft | None:
@@ -143,9 +147,7 @@ def two_floors(rng: np.random.Generator) -> Draft | None:
     x0 = round(landing + WALL_M / 2, 2)
     foot_first = rng.random() < 0.5
     face = y2 - WALL_M / 2
-    draft.flight = Flight(
-        snapped(x0, face - STAIR_WIDTH_M, min(x0 + run, x2), face), (1, 0) if foot_first else (-1, 0), STEPS
-    )
+    draft.flight = Flight(snapped(x0, face - STAIR_WIDTH_M, min(x0 + run, x2), face), (1, 0) if foot_first else (-1, 0), STEPS)
     return draft
 
 
@@ -154,7 +156,11 @@ def _beside_stairs(rng: np.random.Generator, draft: Draft, where: Strip, floor: 
     if rng.random() < 0.25 and floor == 0:
         pair = ["garage", "laundry room"]
     else:
-        names = ["bedroom", "office", "bedroom", "library", "playroom", "gym"] if floor else ["office", "gym", "library", "playroom", "bedroom"]
+        names = (
+            ["bedroom", "office", "bedroom", "library", "playroom", "gym"]
+            if floor
+            else ["office", "gym", "library", "playroom", "bedroom"]
+        )
         taken = {cell.type for cell in draft.cells} - {"bedroom", "office"}
         names = [name for name in names if name not in taken]
         pair = [names[int(k)] for k in rng.permutation(len(names))[:2]]
@@ -183,7 +189,9 @@ def _public_block(rng: np.random.Generator, draft: Draft, block: Rect) -> bool:
         draft.add(second, snapped(middle, block.y0 + split, block.x1, block.y1))
         return True
     if height >= 9.0:
-        return fill_row(rng, draft, strip(block.x0, block.y0, block.x1, block.y1, "east"), 0, ["living room", "dining room", "kitchen"])
+        return fill_row(
+            rng, draft, strip(block.x0, block.y0, block.x1, block.y1, "east"), 0, ["living room", "dining room", "kitchen"]
+        )
     return fill_row(rng, draft, strip(block.x0, block.y0, block.x1, block.y1, "east"), 0, ["living room", "kitchen"])
 
 

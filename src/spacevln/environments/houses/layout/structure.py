@@ -105,12 +105,12 @@ def _walls_of(house: House, floor: int) -> Iterator[WallBox]:
     z0, ceiling = house.floors[floor].z_m, house.floors[floor].ceiling_m
     raster = _Raster(rooms, [hole(house, opening) for opening in openings], house.wall_thickness_m)
     labels, low, holes = raster.labels, raster.low, raster.holes
-    for rect, label, _ in raster.boxes((labels != raster.EMPTY) & (holes < 0) & ~low, labels):
+    for rect, label in raster.boxes((labels != raster.EMPTY) & (holes < 0) & ~low, labels):
         yield WallBox(floor, rect, z0, z0 + ceiling, raster.room(label), "wall")
-    for rect, label, _ in raster.boxes((labels != raster.EMPTY) & (holes < 0) & low, labels):
+    for rect, label in raster.boxes((labels != raster.EMPTY) & (holes < 0) & low, labels):
         yield WallBox(floor, rect, z0, z0 + PARAPET_M, raster.room(label), "parapet")
     for k, opening in enumerate(openings):
-        for rect, label, _ in raster.boxes((labels != raster.EMPTY) & (holes == k), labels):
+        for rect, label in raster.boxes((labels != raster.EMPTY) & (holes == k), labels):
             if opening.sill_m > 0:
                 yield WallBox(floor, rect, z0, z0 + opening.sill_m, raster.room(label), "sill", opening.id)
             if opening.head_m < ceiling:
@@ -155,7 +155,7 @@ class _Raster:
         """Room id of a label; None for the outer skin."""
         return None if label == self.SKIN else label
 
-    def boxes(self, mask: NDArray[np.bool_], labels: NDArray[np.int64]) -> Iterator[tuple[Rect, int, int]]:
+    def boxes(self, mask: NDArray[np.bool_], labels: NDArray[np.int64]) -> Iterator[tuple[Rect, int]]:
         """Disjoint rectangles that cover the mask, each within one label."""
         left = mask.copy()
         for i, j in np.argwhere(mask).tolist():
@@ -171,7 +171,7 @@ class _Raster:
             if i1 == i + 1 or (self.y[j1] - self.y[j]) < (self.x[i1] - self.x[i]):
                 i1, j1 = _tall_first(same, i, j, (i1, j1), self.x, self.y)
             left[i:i1, j:j1] = False
-            yield Rect(float(self.x[i]), float(self.y[j]), float(self.x[i1]), float(self.y[j1])), int(label), 0
+            yield Rect(float(self.x[i]), float(self.y[j]), float(self.x[i1]), float(self.y[j1])), int(label)
 
 
 def _tall_first(
@@ -195,16 +195,18 @@ def slabs(house: House) -> tuple[SlabBox, ...]:
         below = [stairs.rect for stairs in house.stairs if stairs.lower_floor + 1 == room.floor]
         above = [stairs.rect for stairs in house.stairs if stairs.lower_floor == room.floor]
         top = floor.z_m + floor.ceiling_m
-        thick = floor.z_m - house.floors[room.floor - 1].z_m - house.floors[room.floor - 1].ceiling_m - _SLAB_M if room.floor else 0.1
+        thick = (
+            floor.z_m - house.floors[room.floor - 1].z_m - house.floors[room.floor - 1].ceiling_m - _SLAB_M if room.floor else 0.1
+        )
         done: list[Rect] = []
         for rect in room.rects:
             whole = without([grown(rect, house.wall_thickness_m / 2)], done)
             done.append(grown(rect, house.wall_thickness_m / 2))
-            for piece in without(whole, below):
-                found.append(SlabBox(room.floor, piece, floor.z_m - thick, floor.z_m, room.id, "floor"))
+            found += [
+                SlabBox(room.floor, piece, floor.z_m - thick, floor.z_m, room.id, "floor") for piece in without(whole, below)
+            ]
             if room.type != "balcony":
-                for piece in without(whole, above):
-                    found.append(SlabBox(room.floor, piece, top, top + _SLAB_M, room.id, "ceiling"))
+                found += [SlabBox(room.floor, piece, top, top + _SLAB_M, room.id, "ceiling") for piece in without(whole, above)]
     return tuple(found)
 
 
@@ -247,9 +249,7 @@ def steps(house: House, stairs: Stairs) -> tuple[StepBox, ...]:
     """The steps: as many equal treads as risers; the last one is flush with the upper floor."""
     low, high = house.floors[stairs.lower_floor].z_m, house.floors[stairs.lower_floor + 1].z_m
     n = stairs.steps
-    return tuple(
-        StepBox(stairs.id, portion(stairs, k / n, (k + 1) / n), low, low + (high - low) * (k + 1) / n) for k in range(n)
-    )
+    return tuple(StepBox(stairs.id, portion(stairs, k / n, (k + 1) / n), low, low + (high - low) * (k + 1) / n) for k in range(n))
 
 
 def railings(house: House) -> tuple[Railing, ...]:
