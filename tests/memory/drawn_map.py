@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -27,6 +28,7 @@ class DrawnMap:
 
     def __init__(self, rooms: list[tuple[float, ...]], boxes: list[tuple[float, ...]] = (), floor: int = 0) -> None:
         self.floor = floor
+        self.travelled = np.zeros((0, 3))
         bounds = np.array(rooms)
         self.i0 = math.floor((bounds[:, 0].min() - 1) / RESOLUTION_M)
         self.j0 = math.floor((bounds[:, 1].min() - 1) / RESOLUTION_M)
@@ -43,6 +45,12 @@ class DrawnMap:
         self.obstacle = wall | (ndimage.binary_fill_holes(self.free | wall) & ~self.free & ~wall)
         self.explored = self.free | self.obstacle
         self.passable = (ndimage.distance_transform_edt(self.free) * RESOLUTION_M > 0.1).astype(np.uint8)
+
+    def walk(self, *poses: Pose) -> None:
+        """Go from pose to pose on the shortest way."""
+        for before, after in itertools.pairwise(poses):
+            way = self.path(before.xy_m, after.xy_m)
+            self.travelled = np.vstack([self.travelled, np.column_stack([way, np.full(len(way), self.floor)])])
 
     def _fill(self, rect: tuple[float, ...], value: bool) -> None:
         x0, y0, x1, y1 = (round(edge / RESOLUTION_M) for edge in rect)
@@ -79,11 +87,11 @@ class DrawnMap:
     def frontiers(self, pose: Pose) -> tuple[Frontier, ...]:  # noqa: ARG002
         return ()
 
-    def crop(self, center_xy_m: ArrayLike, size_m: float, heading_rad: float) -> DrawnCrop:
+    def crop(self, center_xy: ArrayLike, size_m: float, heading_rad: float) -> DrawnCrop:
         count = round(size_m / RESOLUTION_M)
         ahead = ((count - 1) / 2 - np.arange(count))[:, None] * RESOLUTION_M
         left = ((count - 1) / 2 - np.arange(count))[None, :] * RESOLUTION_M
         c, s = math.cos(heading_rad), math.sin(heading_rad)
-        x0, y0 = np.asarray(center_xy_m, float)
+        x0, y0 = np.asarray(center_xy, float)
         xy = np.stack([x0 + c * ahead - s * left, y0 + s * ahead + c * left], axis=-1).reshape(-1, 2)
         return DrawnCrop(*(self._look_up(layer, xy).reshape(count, count) for layer in (self.explored, self.obstacle, self.free)))

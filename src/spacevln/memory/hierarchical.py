@@ -11,10 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from spacevln.core import Anchor, CueKind, EgocentricMemory, LandmarkCue, Pose, Sighting, SpatialWaypoint
+from spacevln.core.geometry import Float
 from spacevln.language import cue_kind, parse_region
 from spacevln.memory.arrange import arrange
 from spacevln.memory.graph import Edge, WaypointGraph
-from spacevln.memory.metric import MemoryMap
+from spacevln.memory.metric import Field, MemoryMap
 from spacevln.memory.regions import SUPPORT_RADIUS_M, Region, Regions
 from spacevln.memory.rendering import render_map
 from spacevln.memory.serialize import serialize
@@ -24,7 +25,6 @@ from spacevln.perception.matching import names
 CUE_RANGE_M = 6.0  # farther things describe another place [ours]
 MAX_CUES = 12
 SAME_CUE_M = 0.6
-TRACK_STEP_M = 0.05
 
 
 class HierarchicalSpatialMemory:
@@ -39,8 +39,7 @@ class HierarchicalSpatialMemory:
         self.regions = Regions()
         self.thresholds = Thresholds()
         self._waypoints: list[SpatialWaypoint] = []
-        self._track: list[tuple[int, float, float]] = []  # floor, x, y
-        self._walked_m = 0.0
+        self._walked_until = 0  # length of the map's trajectory when the last waypoint was added
 
     @property
     def waypoints(self) -> tuple[SpatialWaypoint, ...]:
@@ -62,22 +61,6 @@ class HierarchicalSpatialMemory:
         """Edges whose ends lie on different floors."""
         return tuple(edge for edge in self.graph.edges if edge.floor_transition)
 
-    @property
-    def track_m(self) -> tuple[tuple[int, float, float], ...]:
-        """Walked way as (floor, x, y)."""
-        return tuple(self._track)
-
-    def track(self, pose: Pose, floor: int) -> None:
-        """Note where the body is; called after every primitive, so that chain edges have their walked length."""
-        if not self._track:
-            self._track.append((floor, pose.x_m, pose.y_m))
-            return
-        last_floor, x, y = self._track[-1]
-        moved = math.hypot(pose.x_m - x, pose.y_m - y)
-        if moved >= TRACK_STEP_M or floor != last_floor:
-            self._track.append((floor, pose.x_m, pose.y_m))
-            self._walked_m += moved
-
     def add(
         self, pose: Pose, floor: int, anchor: Anchor | str, sightings: Sequence[Sighting], metric_map: MemoryMap
     ) -> SpatialWaypoint:
@@ -90,7 +73,6 @@ class HierarchicalSpatialMemory:
             sightings: of the look-around, all views.
             metric_map: m_t.
         """
-        self.track(pose, floor)
         region, named = parse_region(anchor)
         self.thresholds.add(sightings, floor)
         waypoint = SpatialWaypoint(
@@ -106,14 +88,14 @@ class HierarchicalSpatialMemory:
         field = metric_map.geodesic_field(pose.xy_m)
         self.graph.connect_map(waypoint, earlier, field)
         if earlier:
-            self._connect_chain(earlier[-1], waypoint, float(field.at([earlier[-1].pose.xy_m])[0]))
+            self._connect_chain(earlier[-1], waypoint, field, metric_map.travelled)
+        self._walked_until = len(metric_map.travelled)
         changed = [
             other.index
             for other in self._waypoints
             if other.floor == floor and other.pose.distance_m(pose.x_m, pose.y_m) <= 2 * SUPPORT_RADIUS_M
         ]
         self.regions.update(self._waypoints, changed, metric_map, self.thresholds)
-        self._walked_m = 0.0
         return waypoint
 
     def region_at(self, pose: Pose, floor: int) -> Region | None:
@@ -143,10 +125,15 @@ class HierarchicalSpatialMemory:
             frontiers=frontiers,
         )
 
-    def _connect_chain(self, before: SpatialWaypoint, waypoint: SpatialWaypoint, geodesic_m: float) -> None:
-        same_floor = before.floor == waypoint.floor
-        walked_m = self._walked_m or before.pose.distance_m(waypoint.pose.x_m, waypoint.pose.y_m)
-        self.graph.connect_chain(before, waypoint, geodesic_m if same_floor and math.isfinite(geodesic_m) else walked_m)
+    def _connect_chain(self, before: SpatialWaypoint, waypoint: SpatialWaypoint, field: Field, travelled: Float) -> None:
+        """The known way between two consecutive waypoints: on the map, or, where that does not join them, as walked."""
+        length_m = math.inf
+        if before.floor == waypoint.floor:
+            length_m = float(field.at(before.pose.xy_m[None])[0])
+        if not math.isfinite(length_m):
+            walked = np.vstack([before.pose.xy_m, travelled[self._walked_until :, :2], waypoint.pose.xy_m])
+            length_m = float(np.hypot(*np.diff(walked, axis=0).T).sum())
+        self.graph.connect_chain(before, waypoint, length_m)
 
     def _cues(self, pose: Pose, floor: int, named: Sequence[str], sightings: Sequence[Sighting]) -> tuple[LandmarkCue, ...]:
         """Lambda_k: what the anchor names first, then what was seen in this space, each thing once."""

@@ -47,7 +47,11 @@ class MemoryMap(SpatialMap, Protocol):
     def geodesic_field(self, xy_m: ArrayLike) -> Field:
         """Distances from a point on known free space inflated by the agent's radius."""
 
-    def crop(self, center_xy_m: ArrayLike, size_m: float, heading_rad: float) -> Crop:
+    @property
+    def travelled(self) -> NDArray[np.float64]:
+        """The way walked in this episode, (N, 3): x, y [m], floor."""
+
+    def crop(self, center_xy: ArrayLike, size_m: float, heading_rad: float) -> Crop:
         """A heading-up square around a point."""
 
     def frontiers(self, pose: Pose) -> Sequence[Frontier]:

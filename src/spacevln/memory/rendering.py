@@ -72,7 +72,7 @@ def render_map(memory: HierarchicalSpatialMemory, pose: Pose, metric_map: Memory
     labels = _region_labels(memory, frame, floor)
     _blend(canvas, free * (labels > 0), _palette(len(memory.regions.all))[labels])
     _blend(canvas, _zoomed(crop.obstacle, frame.window_m), np.array(_OBSTACLE, np.float32))
-    _draw_ways(canvas, memory, frame, floor)
+    _draw_ways(canvas, memory, metric_map.travelled, frame, floor)
     picture = Image.new("RGB", (SIZE_PX, SIZE_PX + LEGEND_PX))
     picture.paste(Image.fromarray(canvas))
     picture.paste(_legend(), (0, SIZE_PX))
@@ -153,18 +153,17 @@ def region_raster(memory: HierarchicalSpatialMemory, floor: int) -> tuple[NDArra
     return owner, int(i0), int(j0)
 
 
-def _draw_ways(canvas: NDArray[np.uint8], memory: HierarchicalSpatialMemory, frame: _Frame, floor: int) -> None:
-    """Thresholds and the walked way, with smooth lines."""
+def _draw_ways(canvas: NDArray[np.uint8], memory: HierarchicalSpatialMemory, travelled: Float, frame: _Frame, floor: int) -> None:
+    """Thresholds, the walked way and the agent, with smooth lines."""
     for threshold in memory.thresholds.on(floor):
         ends = np.round(frame.pixels(np.array([threshold.a_m, threshold.b_m])) * 8).astype(np.int32)
         cv2.line(canvas, ends[0].tolist(), ends[1].tolist(), _THRESHOLD, 4, cv2.LINE_AA, 3)
-    track = memory.track_m
-    points = np.round(frame.pixels(np.array([entry[1:] for entry in track])) * 8).astype(np.int32) if track else np.zeros((0, 2))
-    on_floor = np.array([entry[0] == floor for entry in track], np.bool_)
-    breaks = np.flatnonzero(np.diff(on_floor.astype(np.int8))) + 1
+    points = np.round(frame.pixels(travelled[:, :2]) * 8).astype(np.int32)
+    on_floor = travelled[:, 2] == floor
+    breaks = np.flatnonzero(np.diff(on_floor)) + 1
     for part, keep in zip(np.split(points, breaks), np.split(on_floor, breaks), strict=True):
         if len(part) > 1 and keep[0]:
-            cv2.polylines(canvas, [part.astype(np.int32)], False, _WALKED, 3, cv2.LINE_AA, 3)
+            cv2.polylines(canvas, [part], False, _WALKED, 3, cv2.LINE_AA, 3)
     _draw_agent(canvas)
 
 

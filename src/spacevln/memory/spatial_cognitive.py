@@ -21,10 +21,6 @@ class SpatialCognitiveMemory:
         self.hierarchical = hierarchical or HierarchicalSpatialMemory()
         self.landmarks = LocalLandmarkMemory("", Pose(0.0, 0.0))
 
-    def track(self, pose: Pose, metric_map: MemoryMap) -> None:
-        """Note where the body is; after every primitive."""
-        self.hierarchical.track(pose, metric_map.floor)
-
     def add_waypoint(
         self, pose: Pose, anchor: Anchor | str, sightings: Sequence[Sighting], metric_map: MemoryMap
     ) -> SpatialWaypoint:
