@@ -1,0 +1,11 @@
+"""A tiled metric map of a posed RGB-D stream: free space, obstacles, floors, geodesics, frontiers (DESIGN 5.2).
+
+Stand-alone: needs ``spacevln.core`` only, no simulator and no agent.
+"""
+
+from spacevln.mapping.crops import MapCrop
+from spacevln.mapping.floors import StairConnector
+from spacevln.mapping.geodesics import GeodesicField
+from spacevln.mapping.metric_map import MetricMap
+
+__all__ = ["GeodesicField", "MapCrop", "MetricMap", "StairConnector"]

@@ -1,0 +1,124 @@
+"""Square pictures of the map, axis-aligned or heading-up: what renderers draw from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numba
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spacevln.mapping.cells import free_of
+from spacevln.mapping.floors import Floor
+from spacevln.mapping.tiles import TiledLayer
+from spacevln.mapping.traces import Trace
+
+Float = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapCrop:
+    """A square of the map as an image: row 0 lies farthest along ``up_rad``, columns run to its right.
+
+    Args:
+        centre_xy_m: point in the middle.
+        size_m: side length.
+        up_rad: direction of the image's upper edge; pi/2 when axis-aligned (x to the right, y up).
+        resolution_m: side of a pixel.
+        explored, obstacle, free: (n, n) bool.
+        trajectory, stage_trajectory: (n, n) bool, the episode's and the stage's way on this floor, one pixel wide.
+        semantic: per landmark term, (n, n) bool.
+    """
+
+    centre_xy_m: tuple[float, float]
+    size_m: float
+    up_rad: float
+    resolution_m: float
+    explored: Mask
+    obstacle: Mask
+    free: Mask
+    trajectory: Mask
+    stage_trajectory: Mask
+    semantic: dict[str, Mask]
+
+    def to_px(self, xy_m: ArrayLike) -> Float:
+        """Points (N, 2) [m] as (column, row), the first pixel's centre at (0, 0)."""
+        return points_to_px(
+            np.asarray(xy_m, np.float64).reshape(-1, 2), self.centre_xy_m, self.up_rad, self.resolution_m, len(self.free)
+        )
+
+    def to_xy(self, px: ArrayLike) -> Float:
+        """(column, row) as points [m]; inverse of :meth:`to_px`."""
+        pixels = np.asarray(px, np.float64).reshape(-1, 2)
+        half = (len(self.free) - 1) / 2
+        right, ahead = (pixels[:, 0] - half) * self.resolution_m, (half - pixels[:, 1]) * self.resolution_m
+        c, s = math.cos(self.up_rad), math.sin(self.up_rad)
+        x, y = self.centre_xy_m
+        return np.column_stack([x + ahead * c + right * s, y + ahead * s - right * c])
+
+
+def points_to_px(points: Float, centre: tuple[float, float], up_rad: float, resolution_m: float, n: int) -> Float:
+    """See :meth:`MapCrop.to_px`."""
+    c, s = math.cos(up_rad), math.sin(up_rad)
+    dx, dy = points[:, 0] - centre[0], points[:, 1] - centre[1]
+    half = (n - 1) / 2
+    return np.column_stack([half + (dx * s - dy * c) / resolution_m, half - (dx * c + dy * s) / resolution_m])
+
+
+def crop_floor(
+    floor: Floor, trace: Trace, centre: tuple[float, float], size_m: float, heading_rad: float | None, resolution_m: float
+) -> MapCrop:
+    """Compose a crop of one floor."""
+    n = max(1, round(size_m / resolution_m))
+    up_rad = math.pi / 2 if heading_rad is None else heading_rad
+    c, s = math.cos(up_rad), math.sin(up_rad)
+    reach = math.ceil(n / 2 * (abs(c) + abs(s))) + 2
+    i0, j0 = math.floor(centre[0] / resolution_m) - reach, math.floor(centre[1] / resolution_m) - reach
+    offset = centre[0] / resolution_m - i0, centre[1] / resolution_m - j0
+
+    def turned(layer: TiledLayer) -> NDArray[np.uint8]:
+        return np.asarray(_turn(layer.window(i0, j0, 2 * reach, 2 * reach), n, offset[0], offset[1], c, s))
+
+    seen, solid = turned(floor.seen), turned(floor.solid)
+    return MapCrop(
+        centre_xy_m=centre,
+        size_m=size_m,
+        up_rad=up_rad,
+        resolution_m=resolution_m,
+        explored=seen != 0,
+        obstacle=solid != 0,
+        free=free_of(seen, solid),
+        trajectory=_draw(trace.episode, floor.id, centre, up_rad, resolution_m, n),
+        stage_trajectory=_draw(trace.stage, floor.id, centre, up_rad, resolution_m, n),
+        semantic={term: turned(layer) != 0 for term, layer in sorted(floor.semantic.items())},
+    )
+
+
+def _draw(trace: Float, floor: int, centre: tuple[float, float], up_rad: float, resolution_m: float, n: int) -> Mask:
+    """The parts of a trace on one floor as lines."""
+    image = np.zeros((n, n), np.uint8)
+    px = points_to_px(trace[:, :2], centre, up_rad, resolution_m, n)
+    here = (trace[:, 2] == floor) & (np.abs(px - n / 2) < 2 * n).all(axis=1)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], here, [False]])))
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        cv2.polylines(image, [np.rint(px[first:end]).astype(np.int32)], False, 1)
+    return np.asarray(image != 0)
+
+
+@numba.njit(cache=True)
+def _turn(
+    window: NDArray[np.uint8], n: int, centre_i: float, centre_j: float, c: float, s: float
+) -> Any:  # pragma: no cover - compiled
+    """Nearest-neighbour image (n, n) of a window, rows against the direction (c, s), columns to its right."""
+    out = np.empty((n, n), np.uint8)
+    half = (n - 1) / 2
+    for row in range(n):
+        ahead = half - row
+        base_i, base_j = centre_i + ahead * c - half * s, centre_j + ahead * s + half * c
+        for column in range(n):
+            out[row, column] = window[int(base_i + column * s), int(base_j - column * c)]
+    return out

@@ -1,0 +1,167 @@
+"""Writing one observation into the tiles of a floor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacevln.core import Observation, Pose, Sighting
+from spacevln.mapping import projection, settling
+from spacevln.mapping.cells import DEPTH_TO_M, HEIGHT_BIN_M
+from spacevln.mapping.floors import LEVEL_M, Floor
+from spacevln.mapping.tiles import TiledLayer
+
+_ON_STAIRS_M = 0.25  # farther from the floor's height, only what is near is written
+_STAIRS_REACH_M = 1.0
+_SAME_STRIDE_M = 0.6  # a longer way between two frames is not walked over in a straight line
+_RISE_BINS_FROM_FLOOR = 12  # stairs rise 0.6 m; a bed does not
+_RISE_BINS_ON_STAIRS = 3
+
+
+def camera_view(observation: Observation, x_m: float, y_m: float) -> NDArray[np.float64]:
+    """The camera as kernels take it (see ``mapping.projection``), relative to a point and to the height of the feet."""
+    camera, T_world_camera = observation.camera, observation.T_world_camera
+    view = np.empty(16)
+    view[:9] = T_world_camera[:3, :3].ravel()
+    view[9:12] = T_world_camera[:3, 3] - (x_m, y_m, observation.pose.z_m)
+    view[12:] = camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px
+    return view
+
+
+class FrameWriter:
+    """Projects an observation once, then settles it into a floor. Scratch memory is kept between frames."""
+
+    def __init__(self, resolution_m: float, agent_radius_m: float) -> None:
+        self.resolution_m = resolution_m
+        self.agent_radius_m = agent_radius_m
+        self._scratch: dict[str, NDArray[np.uint8]] = {}
+        self._origin = (0, 0)
+        self._heights = np.zeros((0, 0), np.uint32)
+        self._view = np.zeros(16)
+        self._depth_m = np.zeros((0, 0), np.float32)
+        self._last: tuple[Pose, Floor] | None = None
+
+    def _window(self, name: str, rows: int, columns: int, itemsize: int = 1) -> NDArray[np.uint8]:
+        """A contiguous piece of kept memory, as bytes."""
+        need = rows * columns * itemsize
+        buffer = self._scratch.get(name)
+        if buffer is None or buffer.size < need:
+            buffer = self._scratch[name] = np.zeros(need, np.uint8)
+        return buffer[:need]
+
+    def project(self, observation: Observation) -> None:
+        """Collect the heights that the depth image shows, over the cells that the camera can see."""
+        i0, j0, rows, columns = self._frustum(observation)
+        self._origin = (i0, j0)
+        self._depth_m = np.ascontiguousarray(observation.depth_m, np.float32)
+        self._view = camera_view(observation, i0 * self.resolution_m, j0 * self.resolution_m)
+        self._heights = self._window("heights", rows, columns, 4).view(np.uint32).reshape(rows, columns)
+        self._heights.fill(0)
+        projection.scatter_heights(self._depth_m, self._view, self.resolution_m, self._heights)
+
+    @property
+    def flat_cells(self) -> int:
+        """Cells of the projected frame that show floor at the height of the feet."""
+        return int(settling.count_flat(self._heights))
+
+    def settle(self, observation: Observation, floor: Floor) -> None:
+        """Write the projected frame into a floor's tiles."""
+        pose, resolution_m = observation.pose, self.resolution_m
+        (i0, j0), shape = self._origin, self._heights.shape
+        seen, solid, ground = self._read(floor, i0, j0, shape)
+        before = seen.copy(), solid.copy()
+        rise_m = pose.z_m - floor.z_m
+        feet_bins = round(rise_m / HEIGHT_BIN_M)
+        on_stairs, level = abs(rise_m) > _ON_STAIRS_M, abs(rise_m) <= LEVEL_M
+        self._stamp(pose, floor, seen, solid)
+        if settling.find_stairs(self._heights, seen, ground, feet_bins, _RISE_BINS_FROM_FLOOR if level else _RISE_BINS_ON_STAIRS):
+            floor.ground.write(i0, j0, ground)
+        camera_ij = self._view[9] / resolution_m, self._view[10] / resolution_m
+        radius_m = _STAIRS_REACH_M if on_stairs else 4 * DEPTH_TO_M
+        settling.settle(self._heights, seen, solid, ground, feet_bins, camera_ij, radius_m / resolution_m)
+        if not on_stairs:
+            projection.see_floor(self._depth_m, self._view, resolution_m, seen)
+        if level:
+            projection.clear_seen_through(self._depth_m, self._view, resolution_m, self._heights, seen, solid)
+        self._store(floor, i0, j0, (seen, solid), before)
+        self._last = pose, floor
+
+    def settle_body(self, pose: Pose, floor: Floor) -> None:
+        """Write only that the body is here."""
+        span = math.ceil((_SAME_STRIDE_M + self.agent_radius_m) / self.resolution_m) + 2
+        i0, j0 = math.floor(pose.x_m / self.resolution_m) - span, math.floor(pose.y_m / self.resolution_m) - span
+        self._origin = (i0, j0)
+        seen, solid, _ = self._read(floor, i0, j0, (2 * span, 2 * span))
+        before = seen.copy(), solid.copy()
+        self._stamp(pose, floor, seen, solid)
+        self._store(floor, i0, j0, (seen, solid), before)
+        self._last = pose, floor
+
+    def settle_sightings(self, sightings: Sequence[Sighting], floor: Floor) -> None:
+        """Mark where landmarks were sighted: a disc of the seen extent around each position."""
+        for sighting in sightings:
+            radius = min(0.5, max(0.1, sighting.extent_m / 2)) / self.resolution_m
+            x, y = sighting.position_m[0] / self.resolution_m, sighting.position_m[1] / self.resolution_m
+            span = math.ceil(radius) + 1
+            i0, j0 = math.floor(x) - span, math.floor(y) - span
+            layer = floor.semantic.setdefault(sighting.category, TiledLayer())
+            window = layer.window(i0, j0, 2 * span + 1, 2 * span + 1)
+            i, j = np.ogrid[: len(window), : len(window)]
+            window[(i + 0.5 + i0 - x) ** 2 + (j + 0.5 + j0 - y) ** 2 <= radius * radius] = 1
+            layer.write(i0, j0, window)
+
+    def _read(
+        self, floor: Floor, i0: int, j0: int, shape: tuple[int, int]
+    ) -> tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.int8]]:
+        seen = self._window("seen", *shape).reshape(shape)
+        solid = self._window("solid", *shape).reshape(shape)
+        ground = self._window("ground", *shape).view(np.int8).reshape(shape)
+        floor.seen.read(i0, j0, seen)
+        floor.solid.read(i0, j0, solid)
+        floor.ground.read(i0, j0, ground)
+        return seen, solid, ground
+
+    def _store(
+        self,
+        floor: Floor,
+        i0: int,
+        j0: int,
+        after: tuple[NDArray[np.uint8], NDArray[np.uint8]],
+        before: tuple[NDArray[np.uint8], NDArray[np.uint8]],
+    ) -> None:
+        changed = np.flatnonzero(((after[0] != before[0]) | (after[1] != before[1])).any(axis=1))
+        if not len(changed):
+            return
+        a, b = int(changed[0]), int(changed[-1]) + 1
+        floor.seen.write(i0 + a, j0, after[0][a:b])
+        floor.solid.write(i0 + a, j0, after[1][a:b])
+        floor.include(i0 + a, j0, i0 + b, j0 + after[0].shape[1])
+        floor.version += 1
+
+    def _stamp(self, pose: Pose, floor: Floor, seen: NDArray[np.uint8], solid: NDArray[np.uint8]) -> None:
+        """Free the body's footprint and its way since the last frame."""
+        here = pose.x_m / self.resolution_m - self._origin[0], pose.y_m / self.resolution_m - self._origin[1]
+        there = here
+        if self._last is not None and self._last[1] is floor and self._last[0].distance_m(pose.x_m, pose.y_m) <= _SAME_STRIDE_M:
+            there = (
+                self._last[0].x_m / self.resolution_m - self._origin[0],
+                self._last[0].y_m / self.resolution_m - self._origin[1],
+            )
+        settling.stamp_body(seen, solid, there, here, self.agent_radius_m / self.resolution_m)
+
+    def _frustum(self, observation: Observation) -> tuple[int, int, int, int]:
+        """Window (i0, j0, rows, columns) of the cells that the image can show, and of the body's way."""
+        camera, T_world_camera = observation.camera, observation.T_world_camera
+        across = [-(edge - camera.cx_px) / camera.fx_px for edge in (0, camera.width_px)]
+        upward = [-(edge - camera.cy_px) / camera.fy_px for edge in (0, camera.height_px)]
+        corners = np.array([(1.0, left, up) for left in across for up in upward]) * DEPTH_TO_M
+        xy = (corners @ T_world_camera[:3, :3].T)[:, :2] + T_world_camera[:2, 3]
+        pose = observation.pose
+        margin_m = _SAME_STRIDE_M + self.agent_radius_m
+        low = np.minimum(np.minimum(xy.min(axis=0), T_world_camera[:2, 3]), pose.xy_m - margin_m) / self.resolution_m
+        high = np.maximum(np.maximum(xy.max(axis=0), T_world_camera[:2, 3]), pose.xy_m + margin_m) / self.resolution_m
+        i0, j0 = math.floor(low[0]) - 2, math.floor(low[1]) - 2
+        return i0, j0, math.floor(high[0]) + 3 - i0, math.floor(high[1]) + 3 - j0

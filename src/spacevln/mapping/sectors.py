@@ -1,0 +1,132 @@
+"""Obstacle distance in a direction, from the map and from the depth image of the moment.
+
+Distances are measured from the agent's centre to the nearest surface that the body, a disc, would touch when it moved in that
+direction: a corridor as wide as the body is looked along, not a single ray.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from spacevln.mapping.cells import DEPTH_FROM_M, DEPTH_TO_M, OBSTACLE_FROM_M, OBSTACLE_TO_M, STAIR
+
+MAP_REACH_M = 2.0  # farther, the map is not asked
+DEPTH_REACH_M = DEPTH_TO_M
+AGREE_M = 0.4
+NEAR_CLIP_M = 0.49  # reported when the sector is closer than the camera can measure
+_NEAR_SLACK_M = 0.03
+_NEAR_SHARE = 0.18
+_NEAR_SAMPLES = 6
+_NEAR_HALF_RAD = math.radians(5.0)
+_NEAR_ROWS = (0.38, 0.92)
+_STRIDE_PX = 2
+_BIN_M = 0.025
+_MIN_SAMPLES = 3
+
+
+def fuse(map_m: float, depth_m: float) -> float:
+    """One distance of two: the average when they agree within 0.4 m, else the smaller, never more than depth alone says.
+
+    ``inf`` means that a source sees nothing within its reach.
+    """
+    if abs(map_m - depth_m) <= AGREE_M:
+        return min(depth_m, (map_m + depth_m) / 2)
+    return min(map_m, depth_m)
+
+
+def depth_distance_m(
+    depth_m: NDArray[np.float32],
+    view: NDArray[np.float64],
+    direction: tuple[float, float],
+    half_width_m: float,
+    stairs: tuple[NDArray[np.uint8], NDArray[np.int8], int, float],
+) -> float:
+    """Nearest surface in a direction by the depth image [m]; inf when it shows none.
+
+    Args:
+        view: camera, relative to the agent's feet (see ``mapping.projection``).
+        direction: unit vector, world frame.
+        half_width_m: half the width of the body.
+        stairs: windows of ``seen`` and ``ground`` around the agent, height of the feet over the floor in bins, resolution.
+    """
+    c, s = direction
+    forward, left = view[0] * c + view[3] * s, view[1] * c + view[4] * s
+    bearing = math.atan2(left, forward)
+    near = _columns(view, bearing, _NEAR_HALF_RAD, depth_m.shape[1])
+    rows = depth_m.shape[0]
+    samples = depth_m[int(_NEAR_ROWS[0] * rows) : int(_NEAR_ROWS[1] * rows) : _STRIDE_PX, near[0] : near[1] : _STRIDE_PX]
+    close = int(np.count_nonzero((samples > 0) & (samples <= DEPTH_FROM_M + _NEAR_SLACK_M)))
+    if close >= _NEAR_SAMPLES and close >= _NEAR_SHARE * samples.size:
+        return NEAR_CLIP_M
+    wide = _columns(view, bearing, math.atan2(half_width_m, DEPTH_FROM_M) + math.radians(2.0), depth_m.shape[1])
+    counts = _histogram(depth_m, view, c, s, half_width_m, wide[0], wide[1], *stairs)
+    found = np.flatnonzero(np.cumsum(counts) >= _MIN_SAMPLES)
+    return float(found[0]) * _BIN_M if len(found) else math.inf
+
+
+def _columns(view: NDArray[np.float64], bearing: float, half_rad: float, width: int) -> tuple[int, int]:
+    """Image columns within an angle of a camera bearing, clipped to the image."""
+    ends = [max(-1.5, min(1.5, bearing + side * half_rad)) for side in (1.0, -1.0)]
+    u = [view[14] - view[12] * math.tan(end) for end in ends]
+    return max(0, min(width, math.floor(u[0]))), max(0, min(width, math.ceil(u[1])))
+
+
+@numba.njit(cache=True)
+def _histogram(
+    depth_m: NDArray[np.float32],
+    view: NDArray[np.float64],
+    c: float,
+    s: float,
+    half_width_m: float,
+    u0: int,
+    u1: int,
+    seen: NDArray[np.uint8],
+    ground: NDArray[np.int8],
+    feet_bins: int,
+    resolution_m: float,
+) -> Any:  # pragma: no cover - compiled
+    """Number of pixels per distance bin that show something standing in the body's way."""
+    counts = np.zeros(int(8.0 / _BIN_M), np.int64)
+    half = seen.shape[0] * 0.5
+    for v in range(0, depth_m.shape[0], _STRIDE_PX):
+        up = -(v + 0.5 - view[15]) / view[13]
+        for u in range(u0, u1, _STRIDE_PX):
+            d = depth_m[v, u]
+            if not (DEPTH_FROM_M <= d <= DEPTH_TO_M):
+                continue
+            left = -(u + 0.5 - view[14]) / view[12]
+            z = view[11] + d * (view[6] + view[7] * left + view[8] * up)
+            if z < OBSTACLE_FROM_M or z > OBSTACLE_TO_M:
+                continue
+            x = view[9] + d * (view[0] + view[1] * left + view[2] * up)
+            y = view[10] + d * (view[3] + view[4] * left + view[5] * up)
+            along, across = c * x + s * y, c * y - s * x
+            if along <= 0.0 or abs(across) > half_width_m:
+                continue
+            i, j = int(np.floor(x / resolution_m + half)), int(np.floor(y / resolution_m + half))
+            on_tread = 0 <= i < seen.shape[0] and 0 <= j < seen.shape[1] and seen[i, j] & STAIR != 0
+            if on_tread and z < (ground[i, j] - feet_bins) * 0.05 + OBSTACLE_FROM_M + 0.05:
+                continue
+            counts[min(int(along / _BIN_M), len(counts) - 1)] += 1
+    return counts
+
+
+@numba.njit(cache=True)
+def map_distance_cells(
+    solid: NDArray[np.uint8], start_i: float, start_j: float, c: float, s: float, half_width: float, first: float, reach: float
+) -> float:  # pragma: no cover - compiled
+    """Nearest obstacle cell in the body's way [cells]; inf when there is none within reach."""
+    best = np.inf
+    for i in range(solid.shape[0]):
+        for j in range(solid.shape[1]):
+            if solid[i, j] != 0:
+                x, y = i + 0.5 - start_i, j + 0.5 - start_j
+                along, across = c * x + s * y, c * y - s * x
+                if first <= along <= reach and abs(across) <= half_width and along < best:
+                    best = along
+    return best

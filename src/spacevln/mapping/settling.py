@@ -1,0 +1,170 @@
+"""Kernels that settle one frame's heights into the cells of the current floor: obstacles, floor, treads of stairs."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from spacevln.mapping.cells import BODY, FLOOR, GROUND_BIN, HIT, OBSTACLE_BIN, STAIR
+from spacevln.mapping.projection import FLOOR_BINS
+
+_STEP_BINS = 4  # 0.20 m, the highest step that is climbed
+_STAIR_JOIN_CELLS = 6  # treads over eye level are not seen: risers are joined over a tread
+_STAIR_MIN_CELLS = 40
+
+
+@numba.njit(cache=True)
+def _span(bits: int) -> tuple[int, int]:  # pragma: no cover - compiled
+    """Index of the lowest and the highest set bit."""
+    low, high = 0, 31
+    while bits & (1 << low) == 0:
+        low += 1
+    while bits & (1 << high) == 0:
+        high -= 1
+    return low, high
+
+
+@numba.njit(cache=True)
+def count_flat(heights: NDArray[np.uint32]) -> int:  # pragma: no cover - compiled
+    """Number of cells in which this frame shows floor at the height of the feet and nothing on it."""
+    count = 0
+    for i in range(heights.shape[0]):
+        for j in range(heights.shape[1]):
+            bits = np.int64(heights[i, j])
+            if bits & FLOOR_BINS != 0 and bits >> OBSTACLE_BIN == 0:
+                count += 1
+    return count
+
+
+@numba.njit(cache=True)
+def find_stairs(
+    heights: NDArray[np.uint32],
+    seen: NDArray[np.uint8],
+    ground: NDArray[np.int8],
+    feet_bins: int,
+    rise_bins: int,
+) -> int:  # pragma: no cover - compiled
+    """Flag treads and risers that steps of at most 0.2 m connect with the floor; returns how many cells are new.
+
+    A tread or riser is a cell whose heights span at most a step. Furniture is not reached: its sides span more. A group must rise
+    by ``rise_bins`` in all, so that a low box stays an obstacle.
+
+    Args:
+        heights: of this frame, relative to the feet.
+        ground: tread heights over the floor [bins of 5 cm], written for the new ones.
+        feet_bins: height of the feet over the floor [bins].
+        rise_bins: needed rise of a group over the feet [bins].
+    """
+    n_i, n_j = heights.shape
+    level = np.full((n_i, n_j), -1, np.int8)
+    queue = np.empty((n_i * n_j, 2), np.int32)
+    for i in range(n_i):
+        for j in range(n_j):
+            bits = np.int64(heights[i, j])
+            if bits >> OBSTACLE_BIN != 0:
+                low, high = _span(bits)
+                if high - low <= _STEP_BINS:
+                    level[i, j] = high
+    new = 0
+    for i in range(2, n_i - 2):
+        for j in range(2, n_j - 2):
+            if level[i, j] < 0 or level[i, j] > GROUND_BIN + _STEP_BINS or not _beside_floor(heights, seen, i, j):
+                continue
+            end, highest = _climb(level, queue, i, j)
+            if end >= _STAIR_MIN_CELLS and highest >= GROUND_BIN + rise_bins:
+                for k in range(end):
+                    a, b = queue[k, 0], queue[k, 1]
+                    if seen[a, b] & STAIR == 0:
+                        new += 1
+                    seen[a, b] |= STAIR
+                    ground[a, b] = -level[a, b] - 2 - GROUND_BIN + feet_bins
+    return new
+
+
+@numba.njit(cache=True)
+def _beside_floor(heights: NDArray[np.uint32], seen: NDArray[np.uint8], i: int, j: int) -> bool:  # pragma: no cover - compiled
+    """Whether floor at the height of the feet, or a known tread, lies within two cells."""
+    for a in range(i - 2, i + 3):
+        for b in range(j - 2, j + 3):
+            bits = np.int64(heights[a, b])
+            if (bits & FLOOR_BINS != 0 and bits >> OBSTACLE_BIN == 0) or seen[a, b] & (STAIR | BODY) != 0:
+                return True
+    return False
+
+
+@numba.njit(cache=True)
+def _climb(level: NDArray[np.int8], queue: NDArray[np.int32], i: int, j: int) -> tuple[int, int]:  # pragma: no cover - compiled
+    """Collect a group of treads step by step into ``queue``; visited levels are stored as ``-level - 2``."""
+    n_i, n_j = level.shape
+    queue[0, 0], queue[0, 1] = i, j
+    highest = int(level[i, j])
+    level[i, j] = -level[i, j] - 2
+    start, end = 0, 1
+    while start < end:
+        a, b = queue[start, 0], queue[start, 1]
+        start += 1
+        here = -int(level[a, b]) - 2
+        for c in range(max(0, a - _STAIR_JOIN_CELLS), min(n_i, a + _STAIR_JOIN_CELLS + 1)):
+            for d in range(max(0, b - _STAIR_JOIN_CELLS), min(n_j, b + _STAIR_JOIN_CELLS + 1)):
+                there = int(level[c, d])
+                if there < 0 or abs(there - here) > _STEP_BINS:
+                    continue
+                highest = max(highest, there)
+                level[c, d] = -there - 2
+                queue[end, 0], queue[end, 1] = c, d
+                end += 1
+    return end, highest
+
+
+@numba.njit(cache=True)
+def settle(
+    heights: NDArray[np.uint32],
+    seen: NDArray[np.uint8],
+    solid: NDArray[np.uint8],
+    ground: NDArray[np.int8],
+    feet_bins: int,
+    camera_ij: tuple[float, float],
+    radius_cells: float,
+) -> None:  # pragma: no cover - compiled
+    """Write one frame's heights into the cells within ``radius_cells`` of the camera."""
+    reach = radius_cells * radius_cells
+    for i in range(heights.shape[0]):
+        for j in range(heights.shape[1]):
+            bits = np.int64(heights[i, j])
+            if bits == 0 or (i + 0.5 - camera_ij[0]) ** 2 + (j + 0.5 - camera_ij[1]) ** 2 > reach:
+                continue
+            shift = 0
+            if seen[i, j] & STAIR != 0:
+                shift = ground[i, j] - feet_bins
+                solid[i, j] = 0
+            first = min(max(OBSTACLE_BIN + shift, 0), 62)
+            standing = bits >> first
+            if standing != 0:
+                seen[i, j] |= HIT
+                for b in range(8):
+                    if (standing >> (3 * b)) & 7 != 0:
+                        solid[i, j] |= 1 << b
+            elif bits & FLOOR_BINS != 0:
+                seen[i, j] |= FLOOR
+
+
+@numba.njit(cache=True)
+def stamp_body(
+    seen: NDArray[np.uint8], solid: NDArray[np.uint8], a_ij: tuple[float, float], b_ij: tuple[float, float], radius_cells: float
+) -> None:  # pragma: no cover - compiled
+    """Free the cells that the body covered on its way from a to b."""
+    along_i, along_j = b_ij[0] - a_ij[0], b_ij[1] - a_ij[1]
+    length2 = along_i * along_i + along_j * along_j
+    for i in range(
+        max(0, int(min(a_ij[0], b_ij[0]) - radius_cells) - 1), min(seen.shape[0], int(max(a_ij[0], b_ij[0]) + radius_cells) + 2)
+    ):
+        for j in range(
+            max(0, int(min(a_ij[1], b_ij[1]) - radius_cells) - 1),
+            min(seen.shape[1], int(max(a_ij[1], b_ij[1]) + radius_cells) + 2),
+        ):
+            di, dj = i + 0.5 - a_ij[0], j + 0.5 - a_ij[1]
+            t = 0.0 if length2 == 0.0 else min(1.0, max(0.0, (di * along_i + dj * along_j) / length2))
+            if (di - t * along_i) ** 2 + (dj - t * along_j) ** 2 <= radius_cells * radius_cells:
+                seen[i, j] |= BODY
+                solid[i, j] = 0

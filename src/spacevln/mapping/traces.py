@@ -1,0 +1,45 @@
+"""Where the agent was: the whole episode, and the current stage as its tail."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Float = NDArray[np.float64]
+
+
+class Trace:
+    """A growing list of (x, y, floor), shape (N, 3); memory doubles when it is full."""
+
+    def __init__(self) -> None:
+        self._rows = np.empty((64, 3))
+        self._count = 0
+        self._stage_from = 0
+
+    def append(self, x_m: float, y_m: float, floor: int) -> None:
+        """Add a place; a repeated one (a turn) is dropped."""
+        if self._count and np.array_equal(self._rows[self._count - 1], (x_m, y_m, floor)):
+            return
+        if self._count == len(self._rows):
+            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+        self._rows[self._count] = x_m, y_m, floor
+        self._count += 1
+
+    def start_stage(self) -> None:
+        """The stage trace begins anew at the last place."""
+        self._stage_from = max(0, self._count - 1)
+
+    @property
+    def episode(self) -> Float:
+        """Every place (N, 3): x, y [m], floor."""
+        return self._rows[: self._count]
+
+    @property
+    def stage(self) -> Float:
+        """Places of the current stage (N, 3)."""
+        return self._rows[self._stage_from : self._count]
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes held."""
+        return self._rows.nbytes
