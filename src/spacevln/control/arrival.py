@@ -31,15 +31,13 @@ class StageArrival:
     Args:
         subtask: sigma_k.
         floor, region: where the stage begins; ``""`` for an unknown region.
-        landmarks: Local Landmark Memory is switched on.
     """
 
-    def __init__(self, subtask: Subtask, floor: int, region: str, settings: ControlSettings, *, landmarks: bool = True) -> None:
+    def __init__(self, subtask: Subtask, floor: int, region: str, settings: ControlSettings) -> None:
         self._subtask = subtask
         self._start_floor = floor
         self._start_region = region
         self._settings = settings
-        self._landmarks = landmarks
         self._entered_at: Pose | None = None
 
     def reached(self, pose: Pose, floor: int, region: str, pool: LandmarkPool) -> ArrivalKind | None:
@@ -48,11 +46,10 @@ class StageArrival:
         if anchor is None:
             return None
         inside = self._inside_space(anchor.space, pose, region)
-        if anchor.space_kind is SpaceKind.FLOOR_TRANSITION and not anchor.cue:
+        if anchor.space_kind is SpaceKind.FLOOR_TRANSITION:
             return ArrivalKind.FLOOR if floor != self._start_floor else None
         if self._subtask.landmark:
-            arrived = self._landmarks and any(candidate.arrived for candidate in pool)
-            return ArrivalKind.LANDMARK if arrived else None
+            return ArrivalKind.LANDMARK if any(candidate.arrived for candidate in pool) else None
         if inside:
             return ArrivalKind.SPACE
         return ArrivalKind.TARGET if self._at_target(pose) else None

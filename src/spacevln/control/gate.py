@@ -1,11 +1,11 @@
-"""The episode gate: may STOP be issued? (appendix "Stage and Episode Termination Criteria": episode-level stopping is stricter)."""
+"""The episode gate: may STOP be issued? (appendix "Stage and Episode Termination Criteria")."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from spacevln.control.anchors import same_space
-from spacevln.core import Anchor, LandmarkPool, SpaceKind
+from spacevln.core import Anchor, CueKind, LandmarkPool, SpaceKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +58,8 @@ class EpisodeGate:
     - ``final_anchor_claimed``: the planner matches the agent to the last anchor. Always binds.
     - ``earlier_anchors_verified`` (stagewise verification): all anchors but the last two were verified at earlier
       boundaries. The present boundary may verify the target of the last stage, and the goal beside it.
-    - ``final_space_localised`` (Hierarchical Spatial Memory): the present place does not contradict the final anchor's
-      space; where that anchor has no cue, it must agree, or the last stage must have arrived there.
+    - ``final_space_localised`` (Hierarchical Spatial Memory), where the final anchor names a space: the present place does
+      not contradict it; where that anchor has no cue, it must agree, or the last stage must have arrived there.
     - ``landmark_arrival`` (Local Landmark Memory): a candidate of the final anchor's cue is within its arrival radius, or
       the last stage arrived at it.
 
@@ -87,6 +87,8 @@ class EpisodeGate:
 
     @staticmethod
     def _localised(final: Anchor, claim: FinishClaim) -> bool:
-        if same_space(claim.place, final.space) or claim.arrived:
+        if same_space(claim.place, final.space):
             return True
-        return bool(final.cue) and not claim.place
+        if not final.cue:
+            return claim.arrived
+        return not claim.place or final.cue_kind is CueKind.OPENING  # an opening belongs to the spaces on both of its sides

@@ -1,4 +1,4 @@
-"""Validate(.): is a planner's reply possible in this situation? (Algorithm 1 line 4; appendix "Model-output validation".)
+"""Is a planner's reply possible in this situation? Algorithm 1 line 4, Validate; appendix "Model-output validation".
 
 Parsing a reply is reasoning's; what is judged here is the parsed subtask against views, chain and task.
 """

@@ -72,12 +72,17 @@ class ReplyRefused:
 
 @dataclass(frozen=True, slots=True)
 class SubtaskIssued:
-    """sigma_k was validated."""
+    """sigma_k was validated.
+
+    Args:
+        revision: how unverified anchors were refined or replaced since the last call, in words; ``""`` when they were not.
+    """
 
     stage: int
     subtask: Subtask
     thought: PlannerThought
     seconds: float
+    revision: str = ""
 
 
 @dataclass(frozen=True, slots=True)

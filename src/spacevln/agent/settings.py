@@ -1,0 +1,40 @@
+"""What can be set about an agent: its components and its control thresholds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from spacevln.control import ControlSettings
+
+
+@dataclass(frozen=True, slots=True)
+class Components:
+    """The paper's ablation switches (Table 4, DESIGN 6); off removes the component, not only its text.
+
+    Args:
+        hsm: Hierarchical Spatial Memory; off: no waypoint text, chain or rendered map.
+        landmark_memory: Local Landmark Memory; off: no landmark pool, and a stage's arrival is the executor's own STOP.
+        planner_scot, executor_scot: Spatial-CoT fields of the replies; read by the planner and executor, not by the loop.
+        stagewise: stage verification and feedback; off: the planner names the next goal, the executor runs until its budget.
+    """
+
+    hsm: bool = True
+    landmark_memory: bool = True
+    planner_scot: bool = True
+    executor_scot: bool = True
+    stagewise: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class AgentSettings:
+    """Settings of a :class:`~spacevln.agent.loop.NavigationAgent`.
+
+    Args:
+        components: which parts are switched on.
+        control: thresholds of the control rules.
+        step_limit: environment steps of an episode, STOP included; None takes the task's own (260 or 280, paper).
+    """
+
+    components: Components = field(default_factory=Components)
+    control: ControlSettings = field(default_factory=ControlSettings)
+    step_limit: int | None = None

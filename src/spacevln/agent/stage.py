@@ -1,0 +1,157 @@
+"""One stage: the inner loop of Algorithm 1, lines 8 to 15."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from spacevln.agent.acting import ask_executor
+from spacevln.agent.body import Body, Phase
+from spacevln.agent.settings import AgentSettings
+from spacevln.agent.world import World
+from spacevln.control import AdmissibleActionControl, StageArrival, decompose, is_stalled, turns_toward
+from spacevln.core import (
+    Action,
+    DecisionMade,
+    Event,
+    ExecutedDecision,
+    Executor,
+    ExecutorContext,
+    ExecutorReply,
+    Feedback,
+    Motion,
+    StageEnd,
+    StageRecord,
+    Stop,
+    Subtask,
+)
+
+
+class Stage:
+    """Carries out one subtask.
+
+    Args:
+        subtask: validated sigma_k, not complete.
+        body, world, executor: what acts, what knows, what decides.
+        settings: components and thresholds.
+        emit, clock: where events go, and seconds.
+    """
+
+    def __init__(
+        self,
+        subtask: Subtask,
+        body: Body,
+        world: World,
+        executor: Executor,
+        settings: AgentSettings,
+        emit: Callable[[Event], None],
+        clock: Callable[[], float],
+    ) -> None:
+        self._subtask, self._body, self._world, self._executor = subtask, body, world, executor
+        self._settings, self._emit, self._clock = settings, emit, clock
+        self._control = AdmissibleActionControl(body.spec, settings.control)
+        self._record = StageRecord(start=body.pose)
+        self._terms = world.begin_stage(subtask, body.pose)
+        floor, region = world.locate(body.pose)
+        self._arrival = StageArrival(subtask, floor, region, settings.control)
+
+    def run(self, heading_rad: float) -> Feedback:
+        """Rotate to the chosen direction, then decide and act until the stage ends.
+
+        Args:
+            heading_rad: egocentric direction of delta_k.
+        """
+        self._align(heading_rad)
+        end = self._end_before_decision()
+        while end is None:
+            end = self._decide_and_act() or self._end_before_decision()
+        return Feedback(self._subtask, self._record, self._world.pool(), end)  # F_k = Phi(sigma_k, tau_k, B^(k))
+
+    def _align(self, heading_rad: float) -> None:
+        self._world.update_landmarks(self._world.perceive([self._body.view], self._terms)[0], self._body.pose)
+        for turn in turns_toward(heading_rad, self._body.spec):
+            if not self._body.budget.can_move:
+                return
+            _, sightings = self._body.step(turn, Phase.ALIGN, self._terms)
+            self._world.update_landmarks(sightings, self._body.pose)
+
+    def _end_before_decision(self) -> StageEnd | None:
+        if self._arrived():
+            return StageEnd.ARRIVAL
+        if not self._body.budget.can_move:
+            return StageEnd.EPISODE_END
+        if len(self._record.decisions) >= self._settings.control.stage_decisions:
+            return StageEnd.STAGE_BUDGET
+        return None
+
+    def _arrived(self) -> bool:
+        """Automatic arrival needs stage verification and the landmark memory (DESIGN 6)."""
+        components = self._settings.components
+        if not (components.stagewise and components.landmark_memory):
+            return False
+        pose = self._body.pose
+        return self._arrival.reached(pose, *self._world.locate(pose), self._world.pool()) is not None
+
+    def _decide_and_act(self) -> StageEnd | None:
+        """One pass of lines 10 to 13; the reason when it ends the stage."""
+        context = self._context()
+        if context.admissible.blocked:
+            return StageEnd.BLOCKED
+        begin = self._clock()
+        reply = ask_executor(self._executor, context, self._body.stage, self._settings.control, self._emit)
+        if reply is None:
+            return StageEnd.BLOCKED
+        self._emit(
+            DecisionMade(
+                stage=self._body.stage,
+                decision=len(self._record.decisions) + 1,
+                action=reply.action,
+                purpose=reply.purpose,
+                thought=reply.thought,
+                obstacles=context.obstacles,
+                pool=context.pool,
+                admissible=context.admissible,
+                seconds=self._clock() - begin,
+            )
+        )
+        if isinstance(reply.action, Stop):
+            return StageEnd.STOP
+        decision = self._carry_out(reply)
+        self._control.observe(decision)
+        self._record = replace(self._record, decisions=(*self._record.decisions, decision))  # tau_k
+        return None
+
+    def _context(self) -> ExecutorContext:
+        """I^E_t = (I_t, Omega_t, Lambda_t, sigma_k)."""
+        observation = self._body.view
+        obstacles = self._world.obstacles(observation)
+        return ExecutorContext(
+            observation=observation,
+            obstacles=obstacles,
+            pool=self._world.pool(),
+            subtask=self._subtask,
+            progress=self._record,
+            admissible=self._control.admissible(obstacles),
+            space=self._world.space,
+            decisions_left=self._settings.control.stage_decisions - len(self._record.decisions),
+        )
+
+    def _carry_out(self, reply: ExecutorReply) -> ExecutedDecision:
+        """Primitive by primitive; arrival, stall and the end of the budget interrupt it."""
+        primitives = decompose(reply.action, self._body.spec)
+        moved_m = turned_rad = 0.0
+        taken, stalled = 0, False
+        for primitive in primitives:
+            if stalled or not self._body.budget.can_move or (taken and self._arrived()):
+                break
+            motion = self._primitive(primitive)
+            taken += 1
+            moved_m += motion.moved_m
+            turned_rad += motion.turned_rad
+            stalled = is_stalled(primitive, motion, self._settings.control.stall_m)
+        return ExecutedDecision(reply.action, reply.purpose, moved_m, turned_rad, taken, stalled, taken < len(primitives))
+
+    def _primitive(self, primitive: Action) -> Motion:
+        motion, sightings = self._body.step(primitive, Phase.EXECUTE, self._terms)
+        self._world.update_landmarks(sightings, self._body.pose)
+        return motion

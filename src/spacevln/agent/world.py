@@ -1,0 +1,115 @@
+"""What the agent knows of the world: perception, the metric map and Spatial Cognitive Memory, behind the component switches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from spacevln.agent.floor_maps import floor_maps
+from spacevln.agent.settings import Components
+from spacevln.core import (
+    Anchor,
+    Detector,
+    EgocentricMemory,
+    FloorMap,
+    LandmarkPool,
+    Observation,
+    ObstacleDistances,
+    Pose,
+    Sighting,
+    SpaceKind,
+    SpatialMap,
+    SpatialWaypoint,
+    Subtask,
+)
+from spacevln.language import norm
+from spacevln.mapping import MetricMap
+from spacevln.memory import LocalLandmarkMemory, SpatialCognitiveMemory
+from spacevln.perception import lift
+
+
+class World:
+    """Knowledge of one episode.
+
+    Args:
+        detector: grounds phrases.
+        components: what is switched off is never built.
+    """
+
+    def __init__(self, detector: Detector, components: Components) -> None:
+        self._detector = detector
+        self._components = components
+        self.map = MetricMap()
+        self.memory = SpatialCognitiveMemory()  # M_0 = {W_0, L_0}, W_0 = {G_0, P_0}
+        self.stage_terms: tuple[str, ...] = ()  # Norm(ell_k) of the last stage
+
+    @property
+    def space(self) -> SpatialMap:
+        """Queries on the metric map."""
+        return self.map
+
+    def integrate(self, observation: Observation, sightings: Sequence[Sighting] = ()) -> None:
+        """Update the metric map by one posed image and what was sighted in it."""
+        self.map.integrate(observation, sightings)
+
+    def perceive(self, observations: Sequence[Observation], terms: Sequence[str]) -> list[tuple[Sighting, ...]]:
+        """Sightings of ``terms``, one tuple per image; the detector is not asked for nothing."""
+        if not terms:
+            return [()] * len(observations)
+        found = self._detector.detect(observations, terms)
+        return [lift(observation, detections) for observation, detections in zip(observations, found, strict=True)]
+
+    def obstacles(self, observation: Observation) -> ObstacleDistances:
+        """Omega_t, map and depth fused."""
+        return self.map.obstacle_distances(observation)
+
+    def clearance_m(self, observation: Observation) -> float:
+        """Distance to the nearest obstacle in the direction of an image of a look-around [m]."""
+        return self.map.sector_distance_m(observation)
+
+    def serialise(self, pose: Pose) -> EgocentricMemory | None:
+        """Psi_k; None when Hierarchical Spatial Memory is switched off."""
+        return self.memory.egocentric(pose, self.map) if self._components.hsm else None
+
+    def remember(self, pose: Pose, anchor: Anchor, sightings: Sequence[Sighting]) -> SpatialWaypoint | None:
+        """Update_HSM: w_k joins graph and chain; None when Hierarchical Spatial Memory is switched off."""
+        if not self._components.hsm:
+            return None
+        return self.memory.add_waypoint(pose, anchor, sightings, self.map)
+
+    def locate(self, pose: Pose) -> tuple[int, str]:
+        """Current floor, and region type of the map region that holds the pose; ``""`` when none is known."""
+        region = self.memory.hierarchical.region_at(pose, self.map.floor) if self._components.hsm else None
+        return self.map.floor, region.type if region else ""
+
+    def begin_stage(self, subtask: Subtask, pose: Pose) -> tuple[str, ...]:
+        """L^(k)_0 and B^(k)_0 are empty; the terms that the detector grounds in this stage, Norm(ell_k)."""
+        anchor = subtask.next_anchor
+        kind = anchor.cue_kind if anchor is not None and anchor.cue and anchor.cue == subtask.landmark else None
+        traverse = anchor is not None and anchor.space_kind is SpaceKind.FLOOR_TRANSITION
+        landmark = subtask.landmark if self._components.landmark_memory else ""
+        self.map.start_stage()
+        self.memory.begin_stage(landmark, pose, kind=kind, traverse=traverse)
+        self.stage_terms = norm(landmark)
+        return self.stage_terms
+
+    def update_landmarks(self, sightings: Sequence[Sighting], pose: Pose) -> None:
+        """Update_landmark (Algorithm 1 line 11): fuse the sightings of one image."""
+        self.memory.update(sightings, pose, self.map)
+
+    def pool(self) -> LandmarkPool:
+        """Compress_landmark (line 12): B^(k)_t, the top K."""
+        return self.memory.landmarks.pool()
+
+    def evidence(self, anchor: Anchor, observations: Sequence[Observation]) -> LandmarkPool:
+        """Candidates of an anchor's cue in the images of a look-around, judged from the place they were taken at."""
+        if not self._components.landmark_memory:
+            return ()
+        pose = observations[0].pose
+        landmarks = LocalLandmarkMemory(anchor.cue, pose, kind=anchor.cue_kind)
+        for sightings in self.perceive(observations, norm(anchor.cue)):
+            landmarks.update(sightings, pose, self.map)
+        return landmarks.pool()
+
+    def floor_maps(self) -> tuple[FloorMap, ...]:
+        """The map as it stands, one picture per floor."""
+        return floor_maps(self.map, self.memory.hierarchical)
