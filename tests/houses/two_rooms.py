@@ -7,6 +7,7 @@ Scene frame: the living room spans x 0..4, y 0..4; the wall between x 4..4.12; t
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -54,8 +55,9 @@ def wall_boxes() -> list[tuple[float, float, float, float]]:
 
 
 def obstacles() -> tuple[np.ndarray, np.ndarray]:
-    """Boxes (N, 5) and discs (M, 3) as motion takes them."""
-    boxes = [(*wall, 0.0) for wall in wall_boxes()] + [(1.0, 3.5, 0.4, 0.2, math.pi / 6)]
+    """Boxes (N, 6) and discs (M, 3) as motion takes them."""
+    walls = [(x, y, 1.0, 0.0, hx, hy) for x, y, hx, hy in wall_boxes()]
+    boxes = [*walls, (1.0, 3.5, math.cos(math.pi / 6), math.sin(math.pi / 6), 0.4, 0.2)]
     return np.array(boxes), np.array([(7.0, 1.0, 0.3), (3.6, 0.5, 0.1)])
 
 
@@ -85,17 +87,21 @@ def drawable() -> Drawable:
     return Drawable(house(), spec.compile(), np.array(ids, np.int32))
 
 
+@dataclass(frozen=True)
+class Space:
+    boxes: np.ndarray
+    discs: np.ndarray
+
+
 class FlatGround:
     """The ground of the house: one storey at height 0."""
 
-    def obstacles(self, floor: int) -> tuple[np.ndarray, np.ndarray]:
-        assert floor == 0
-        return obstacles()
+    floors = (Space(*obstacles()),)
 
-    def floor_at(self, x_m: float, y_m: float, floor: int) -> int:
-        return floor
+    def floor_index(self, x: float, y: float, floor_hint_z: float) -> int:
+        return 0
 
-    def height_m(self, x_m: float, y_m: float, floor: int) -> float:
+    def floor_height_m(self, x: float, y: float, floor_hint_z: float) -> float:
         return 0.0
 
 

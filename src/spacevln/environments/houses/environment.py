@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import math
-import re
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from spacevln.core.actions import Action, Motion, MoveForward, Stop, TurnLeft, TurnRight
-from spacevln.core.errors import ContractError, UsageError
+from spacevln.core.errors import ContractError
+from spacevln.core.geometry import Pose
 from spacevln.core.interfaces import EnvironmentSpec
 from spacevln.core.sensing import Camera, Observation
 from spacevln.core.task import EpisodeSpec
 from spacevln.environments.houses.labels import house_labels, image_labels
-from spacevln.environments.houses.motion import Body, Ground, Standing
+from spacevln.environments.houses.motion import Body, Ground
 from spacevln.environments.houses.rendering import Drawable, Renderer, RendererName, make_renderer, renderer_info
 
-_SCENE = re.compile(r"house-(\d{6,9})")
 _KEPT_SCENES = 4
 _TOLERANCE = 1e-6
 
@@ -36,14 +35,11 @@ def load_place(scene: str) -> Place:
     Raises:
         UsageError: the name is not of the form ``"house-000017"``.
     """
-    from spacevln.environments.houses.house import build_house
+    from spacevln.environments.houses.house import build_house, parse_scene_name
     from spacevln.environments.houses.scene import compile_scene
     from spacevln.environments.houses.walkable import Walkable
 
-    match = _SCENE.fullmatch(scene)
-    if match is None:
-        raise UsageError(f"Unknown scene {scene!r}: a house is named by its seed in six digits, e.g. 'house-000017'.")
-    house = build_house(int(match[1]))
+    house = build_house(parse_scene_name(scene))
     compiled = compile_scene(house)
     return Place(Drawable(house, compiled.model, compiled.geom_instance), Walkable(house))
 
@@ -117,12 +113,10 @@ class HousesEnvironment:
             UsageError: the scene is unknown.
         """
         place, self._renderer = self._scenes.get(episode.scene)
-        house = place.drawable.house
-        self._labels = house_labels(house)
+        self._labels = house_labels(place.drawable.house)
         self._body = Body(place.ground, sliding=self._sliding)
-        floor = min(house.floors, key=lambda floor: abs(floor.z_m - episode.start.z_m)).index
-        self._at: Standing = self._body.placed(episode.start, floor)
-        self._start = self._at.pose
+        self._at: Pose = self._body.placed(episode.start)
+        self._start = self._at
         self._episode, self._observation, self._stopped = episode, None, False
         return self.observe()
 
@@ -132,13 +126,13 @@ class HousesEnvironment:
             raise ContractError("HousesEnvironment.observe() was called before reset(): reset to an episode first.")
         if self._observation is None:
             camera = self._spec.camera
-            T_scene_camera = self._at.pose.T_world_body
+            T_scene_camera = self._at.T_world_body
             T_scene_camera[2, 3] += camera.height_m
             frame = self._renderer.render(T_scene_camera, camera)
             self._observation = Observation(
                 rgb=frame.rgb,
                 depth_m=frame.depth_m,
-                pose=self._at.pose.relative_to(self._start),
+                pose=self._at.relative_to(self._start),
                 camera=camera,
                 labels=image_labels(frame.instance_ids, self._labels),
             )

@@ -7,7 +7,7 @@ the centre's ray is intersected with them. Nothing is sampled, so nothing can be
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -94,12 +94,11 @@ def _first_hit(
     """First contact of a disc that moves along the unit vector (dx, dy): distance and normal; inf for none."""
     best, bx, by = np.inf, 0.0, 0.0
     for k in range(boxes.shape[0]):
-        cx, cy, hx, hy, yaw = boxes[k]
+        cx, cy, c, s, hx, hy = boxes[k]
         rx, ry = x - cx, y - cy
         reach = length + radius + math.hypot(hx, hy) + SKIN_M
         if rx * rx + ry * ry > reach * reach:
             continue
-        c, s = math.cos(yaw), math.sin(yaw)
         t, nx, ny = _hit_box(c * rx + s * ry, -s * rx + c * ry, c * dx + s * dy, -s * dx + c * dy, hx, hy, radius)
         if t < best:
             best, bx, by = t, c * nx - s * ny, s * nx + c * ny
@@ -158,7 +157,7 @@ def sweep_disc(
     Args:
         xy_m: its centre [m].
         move_m: the wanted displacement [m].
-        boxes: (N, 5) float64: centre x, y, half extents along the box's own axes, yaw of those axes [m, rad].
+        boxes: (N, 6) float64: centre x, y, cosine and sine of the box's yaw, half extents along its own axes [m].
         discs: (M, 3) float64: centre x, y, radius [m].
         radius_m: of the moving disc.
         sliding: what is left of the move after a contact goes on along the surface, as in VLN-CE; else the disc stops there.
@@ -172,29 +171,34 @@ def sweep_disc(
     return float(x), float(y), bool(collided)
 
 
+class Obstacles(Protocol):
+    """What blocks a disc on one storey: ``boxes`` (N, 6) and ``discs`` (M, 3), see :func:`sweep_disc`."""
+
+    @property
+    def boxes(self) -> Float:
+        """Oriented boxes."""
+
+    @property
+    def discs(self) -> Float:
+        """Discs."""
+
+
 class Ground(Protocol):
-    """Where a body can stand, storey by storey."""
+    """Where a body can stand; :class:`~spacevln.environments.houses.walkable.Walkable` is one."""
 
-    def obstacles(self, floor: int) -> tuple[Float, Float]:
-        """What blocks a disc on a storey: boxes (N, 5) and discs (M, 3), see :func:`sweep_disc`."""
+    @property
+    def floors(self) -> Sequence[Obstacles]:
+        """The obstacles of every storey."""
 
-    def floor_at(self, x_m: float, y_m: float, floor: int) -> int:
-        """The storey of a body that comes from storey ``floor`` to this point; it changes half-way up a flight of stairs."""
+    def floor_index(self, x: float, y: float, floor_hint_z: float) -> int:
+        """The storey that a point at about this height belongs to; it changes half-way up a flight of stairs."""
 
-    def height_m(self, x_m: float, y_m: float, floor: int) -> float:
-        """Height of the floor or of the step under a point, scene frame [m]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Standing:
-    """Where the body is: pose in the scene frame and storey."""
-
-    pose: Pose
-    floor: int
+    def floor_height_m(self, x: float, y: float, floor_hint_z: float) -> float:
+        """Height of the floor or of the steps under a point, scene frame [m]."""
 
 
 class Body:
-    """A disc that walks and turns; pure geometry.
+    """A disc that walks and turns; pure geometry, scene frame.
 
     Args:
         ground: of the house.
@@ -207,22 +211,20 @@ class Body:
         self._radius_m = radius_m
         self._sliding = sliding
 
-    def placed(self, pose: Pose, floor: int) -> Standing:
-        """The body put down on a storey; its height is the ground's."""
-        floor = self._ground.floor_at(pose.x_m, pose.y_m, floor)
-        return Standing(Pose(pose.x_m, pose.y_m, self._ground.height_m(pose.x_m, pose.y_m, floor), pose.yaw_rad), floor)
+    def placed(self, pose: Pose) -> Pose:
+        """The pose with its feet on the ground."""
+        return Pose(pose.x_m, pose.y_m, self._ground.floor_height_m(pose.x_m, pose.y_m, pose.z_m), pose.yaw_rad)
 
-    def forward(self, at: Standing, distance_m: float) -> tuple[Standing, Motion]:
-        """Move along the heading as far as obstacles allow."""
-        pose = at.pose
-        boxes, discs = self._ground.obstacles(at.floor)
+    def forward(self, pose: Pose, distance_m: float) -> tuple[Pose, Motion]:
+        """Move along the heading as far as obstacles allow; the feet follow the ground."""
+        space = self._ground.floors[self._ground.floor_index(pose.x_m, pose.y_m, pose.z_m)]
         move = (distance_m * math.cos(pose.yaw_rad), distance_m * math.sin(pose.yaw_rad))
-        x, y, collided = sweep_disc((pose.x_m, pose.y_m), move, boxes, discs, radius_m=self._radius_m, sliding=self._sliding)
-        floor = self._ground.floor_at(x, y, at.floor)
-        there = Pose(x, y, self._ground.height_m(x, y, floor), pose.yaw_rad)
+        x, y, collided = sweep_disc(
+            (pose.x_m, pose.y_m), move, space.boxes, space.discs, radius_m=self._radius_m, sliding=self._sliding
+        )
         moved = math.hypot(x - pose.x_m, y - pose.y_m)
-        return Standing(there, floor), Motion(moved_m=moved, turned_rad=0.0, collided=collided)
+        return self.placed(Pose(x, y, pose.z_m, pose.yaw_rad)), Motion(moved_m=moved, turned_rad=0.0, collided=collided)
 
-    def turn(self, at: Standing, angle_rad: float) -> tuple[Standing, Motion]:
+    def turn(self, pose: Pose, angle_rad: float) -> tuple[Pose, Motion]:
         """Turn on the spot, left positive."""
-        return Standing(at.pose.turned(angle_rad), at.floor), Motion(moved_m=0.0, turned_rad=angle_rad, collided=False)
+        return pose.turned(angle_rad), Motion(moved_m=0.0, turned_rad=angle_rad, collided=False)
