@@ -1,0 +1,333 @@
+"""Saying a route in clauses: samples typed clauses along its legs; :mod:`.endings` says where to stop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spacevln.core.geometry import wrap_angle
+from spacevln.environments.houses.episodes import making as make
+from spacevln.environments.houses.episodes.clauses import Along, Clause, Cross, See, Turn
+from spacevln.environments.houses.episodes.endings import ending
+from spacevln.environments.houses.episodes.nouns import is_landmark, thing_for
+from spacevln.environments.houses.episodes.reading import SIDE_LOW, travel_yaw
+from spacevln.environments.houses.episodes.routes import Route
+from spacevln.environments.houses.episodes.topology import Leg, Node, Passed, Topology, is_hallway
+from spacevln.environments.houses.plan import Item, Room
+
+CLEAR_TURN_RAD = math.radians(48)
+CLEAR_PASS_M = 1.7
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """One leg of a route with what its description needs."""
+
+    topology: Topology
+    route: Route
+    index: int
+    rng: np.random.Generator
+    detail: float
+
+    @property
+    def node(self) -> Node:
+        """Where the leg begins."""
+        return self.route.nodes[self.index]
+
+    @property
+    def leg(self) -> Leg:
+        """The leg."""
+        return self.route.legs[self.index]
+
+    @property
+    def room(self) -> Room:
+        """Its room."""
+        return self.topology.house.rooms[self.node.room]
+
+    @property
+    def next_room(self) -> Room | None:
+        """The room behind its portal."""
+        return None if self.leg.portal is None else self.topology.house.rooms[self.leg.portal.other(self.room.id)]
+
+    def chance(self, p: float) -> bool:
+        """A coin; details make it likelier."""
+        return bool(self.rng.random() < min(1.0, p * self.detail))
+
+    def pick(self, options: list[tuple[float, Callable[[], Clause]]]) -> Clause:
+        """One of some weighted clauses."""
+        weights = np.array([w for w, _ in options])
+        return options[int(self.rng.choice(len(options), p=weights / weights.sum()))][1]()
+
+    def landmarks(self) -> list[tuple[Passed, Item]]:
+        """Items that are clearly passed: near, seen, neither at the very start nor the end."""
+        z_m = self.topology.house.floors[self.room.floor].z_m
+        out = []
+        for passed in self.leg.passed:
+            item = self.topology.item[passed.item]
+            if passed.seen and passed.inner and passed.distance_m < CLEAR_PASS_M and is_landmark(item, z_m):
+                out.append((passed, item))
+        return out
+
+    def thing(self, item: Item) -> make.Thing:
+        """A noun phrase for an item: mostly the bare noun."""
+        rare = min(0.8, 0.1 * self.detail * self.detail)
+        count = 0 if self.rng.random() > rare else (1 if self.rng.random() < 0.8 else 2)
+        return thing_for(item, self.rng, count)
+
+
+def describe(topology: Topology, route: Route, rng: np.random.Generator, detail: float) -> tuple[Clause, ...] | None:
+    """Clauses that say a route, or None when its end cannot be said.
+
+    Args:
+        topology: of the house.
+        route: what to say.
+        rng: draws everything.
+        detail: 1.0 is R2R's usual amount; more names more turns, landmarks and attributes.
+    """
+    clauses: list[Clause] = []
+    last = len(route.legs) - 1
+    for index in range(len(route.legs)):
+        stretch = Stretch(topology, route, index, rng, detail)
+        if index < last:
+            clauses += crossing_stretch(stretch, clauses)
+            continue
+        final = ending(stretch, clauses)
+        if final is None:
+            return None
+        clauses += approach(stretch) + list(final)
+    return joined(clauses, rng)
+
+
+def crossing_stretch(stretch: Stretch, before: list[Clause]) -> list[Clause]:
+    """The clauses of a leg through a portal; sometimes none, when the next words imply the crossing."""
+    hidden = stretch.leg.portal is not None and stretch.leg.portal.kind == "opening"
+    implied = 0.35 if hidden or (stretch.index == 0 and not is_hallway(stretch.room)) else 0.08
+    merged = bool(stretch.index) and (not before or not any(isinstance(a, Cross) for a in before[-1].atoms))
+    if stretch.leg.portal is None or stretch.leg.portal.kind != "stairs":
+        if not merged and stretch.rng.random() < implied / stretch.detail:
+            return approach(stretch)[-1:] if stretch.chance(0.3) else []
+    crossing = cross(stretch)
+    return approach(stretch, bool(crossing.codes[0] in ("T3", "T5"))) + [crossing]
+
+
+def approach(stretch: Stretch, turn_said: bool = False) -> list[Clause]:
+    """Turns, landmarks and spaces on the way through one room, before its end is said."""
+    leg, rng = stretch.leg, stretch.rng
+    timed: list[tuple[float, Clause]] = []
+    first = entry_turn(stretch)
+    if first is not None:
+        timed.append((-1.0, first))
+    if leg.length_m > 1.5:
+        timed += middle(stretch, moved=first is not None)
+    for s, angle in leg.turns:
+        if 0.0 < s < leg.length_m and abs(angle) > CLEAR_TURN_RAD and stretch.chance(0.6):
+            timed.append((s, turn_clause(stretch, angle, s)))
+    if (
+        not turn_said
+        and leg.portal is not None
+        and leg.length_m > 1.6
+        and abs(leg.exit_turn_rad) > CLEAR_TURN_RAD
+        and abs(leg.exit_turn_rad) < math.radians(140)
+        and (len(timed) > (first is not None))
+        and stretch.chance(0.5)
+    ):
+        timed.append((leg.length_m, turn_clause(stretch, leg.exit_turn_rad, leg.length_m)))
+    order = sorted(range(len(timed)), key=lambda k: (timed[k][0], k))
+    del rng
+    return [timed[k][1] for k in order]
+
+
+def entry_turn(stretch: Stretch) -> Clause | None:
+    """How the leg begins: around, to a side, straight, or with something behind you."""
+    angle = stretch.leg.first_turn_rad
+    size = abs(angle)
+    if stretch.leg.length_m < 0.8:
+        return None
+    if stretch.index == 0:
+        if stretch.chance(0.13):
+            oriented = orientation(stretch)
+            if oriented is not None:
+                return oriented
+        if size > math.radians(125):
+            return make.around(stretch.rng) if stretch.chance(0.32) else None
+        if size > CLEAR_TURN_RAD and stretch.chance(0.28):
+            return turn_clause(stretch, angle, 0.0)
+    elif CLEAR_TURN_RAD < size < math.radians(150) and stretch.chance(0.66):
+        return turn_clause(stretch, angle, 0.0)
+    elif math.radians(28) < size < math.radians(48) and stretch.chance(0.15):
+        return make.slight(angle, stretch.rng)
+    if size < math.radians(25) and stretch.leg.length_m > 2.0 and stretch.chance(0.2):
+        return make.straight(stretch.rng)
+    return None
+
+
+def turn_clause(stretch: Stretch, angle: float, s: float) -> Clause:
+    """A turn: plain, as "take a left", sharp, or at a landmark within 1.6 m."""
+    rng = stretch.rng
+    k = min(round(s / 0.2), len(stretch.leg.points) - 1)
+    near = [
+        item
+        for passed, item in stretch.landmarks()
+        if abs(passed.s_m - s) < 1.2 and passed.distance_m < 1.5 and stretch.topology.seen(item, stretch.leg.points[: k + 1])
+    ]
+    options: list[tuple[float, Callable[[], Clause]]] = [
+        (0.6, lambda: make.turn(angle)),
+        (0.27, lambda: make.take_turn(angle)),
+    ]
+    if abs(angle) > math.radians(110):
+        options.append((0.4, lambda: make.sharp(angle, rng)))
+    if near:
+        item = near[int(rng.integers(len(near)))]
+        options.append((0.5, lambda: make.turn_at(angle, stretch.thing(item), rng)))
+    if is_hallway(stretch.room) and s == 0.0 and stretch.leg.length_m > 1.5:
+        options.append((0.35, lambda: make.turn_down(angle, stretch.room, rng)))
+    return stretch.pick(options)
+
+
+def orientation(stretch: Stretch) -> Clause | None:
+    """ "With the bed behind you": something large seen from the start, relative to the first metre of the way."""
+    walk = float(stretch.leg.yaws[0])
+    x, y = stretch.node.xy
+    z_m = stretch.topology.house.floors[stretch.room.floor].z_m
+    found = []
+    for item in stretch.topology.house.items:
+        if item.room != stretch.room.id or not is_landmark(item, z_m) or max(item.size) < 0.6:
+            continue
+        if not stretch.topology.seen(item, stretch.leg.points[:2]):
+            continue
+        bearing = wrap_angle(math.atan2(item.y - y, item.x - x) - walk)
+        if abs(bearing) > math.radians(145):
+            found.append((item, 2))
+        elif abs(bearing) < math.radians(20):
+            found.append((item, 3))
+        elif math.radians(60) < abs(bearing) < math.radians(120):
+            found.append((item, 1 if bearing > 0 else -1))
+    if not found:
+        return None
+    item, side = found[int(stretch.rng.integers(len(found)))]
+    return make.orient(stretch.thing(item), side)
+
+
+def middle(stretch: Stretch, moved: bool) -> list[tuple[float, Clause]]:
+    """Spaces and landmarks on the way through a room, with their arc positions."""
+    leg, rng = stretch.leg, stretch.rng
+    out: list[tuple[float, Clause]] = []
+    if is_hallway(stretch.room) and leg.length_m > 1.8 and stretch.chance(0.42):
+        ends = stretch.topology.hallway_ends(stretch.room.id)
+        near_end = any(math.dist(leg.points[-1], end) < 1.3 for end, _ in ends)
+        out.append((0.4, make.hallway(stretch.room, rng, end=near_end and stretch.chance(0.5))))
+    elif not is_hallway(stretch.room) and stretch.index > 0 and leg.length_m > 2.2 and stretch.chance(0.3):
+        out.append((0.4, make.through_space(stretch.room, rng)))
+    seen = stretch.landmarks()
+    if seen and stretch.chance(0.5):
+        take = [seen[int(k)] for k in rng.permutation(len(seen))[: 1 + stretch.chance(0.25)]]
+        pair = [(a, b) for a in seen for b in seen if a[0].side > 0 > b[0].side and abs(a[0].s_m - b[0].s_m) < 0.8]
+        if pair and stretch.chance(0.35):
+            (a, one), (b, two) = pair[int(rng.integers(len(pair)))]
+            out.append((min(a.s_m, b.s_m), make.between(stretch.thing(one), stretch.thing(two))))
+        else:
+            out += [(passed.s_m, pass_clause(stretch, passed, item)) for passed, item in take]
+    if not out and not moved and leg.length_m > 3.0 and abs(leg.first_turn_rad) < math.radians(25) and stretch.chance(0.15):
+        out.append((0.3, make.straight(rng)))
+    return out
+
+
+def pass_clause(stretch: Stretch, passed: Passed, item: Item) -> Clause:
+    """A landmark on the way: past, on a side, around, along, toward, straight past, or "there is"."""
+    rng, thing = stretch.rng, stretch.thing(item)
+    options: list[tuple[float, Callable[[], Clause]]] = [
+        (1.0, lambda: make.past(thing)),
+        (0.3, lambda: make.toward(thing, rng)) if passed.distance_m < 1.5 else (1e-9, lambda: make.past(thing)),
+    ]
+    if abs(stretch.leg.first_turn_rad) < SIDE_LOW or passed.s_m > 2.0:
+        options.append((0.22, lambda: make.straight_past(thing)))
+    if passed.side:
+        options += [
+            (0.16, lambda: make.past_side(thing, passed.side)),
+            (0.25, lambda: make.side_of(thing, -passed.side)),
+            (0.06, lambda: make.there_is(thing, passed.side)),
+        ]
+        if passed.distance_m < 0.9 and max(item.size[:2]) > 0.8 and item.solid:
+            options += [(0.14, lambda: make.around_thing(thing)), (0.14, lambda: make.along_thing(thing))]
+    return stretch.pick(options)
+
+
+def cross(stretch: Stretch) -> Clause:
+    """Walking through the portal at the end of a leg, in one of the ways in which people say it."""
+    leg, rng = stretch.leg, stretch.rng
+    portal, there = leg.portal, stretch.next_room
+    if portal is None or there is None:
+        raise ValueError("a stretch without a portal has no crossing")
+    if portal.kind == "stairs":
+        return make.stairs(1 if portal.rooms[0] == stretch.room.id else -1, rng)
+    here = stretch.room
+    leaving = stretch.index == 0 or not is_hallway(here)
+    options: list[tuple[float, Callable[[], Clause]]] = [
+        (0.75 if not is_hallway(there) else 0.3, lambda: make.enter(there, rng)),
+        (0.3, lambda: make.through_door(portal, rng, stretch.chance(0.25))),
+        (0.16, lambda: make.go_to_space(there, rng)),
+    ]
+    if leaving and not is_hallway(here):
+        weight = 1.1 if stretch.index == 0 else 0.2
+        options += [
+            (weight, lambda: make.leave(here, rng)),
+            (weight * 0.25, lambda: make.leave_through(here, portal, rng)),
+            (weight * 0.2, lambda: make.leave_into(here, there, rng)),
+        ]
+    if abs(leg.first_turn_rad) < math.radians(30) and abs(leg.exit_turn_rad) < math.radians(35):
+        options.append((0.25, lambda: make.straight_through(portal, rng)))
+        options.append((0.15, lambda: make.straight_into(there, rng)))
+    turned = leg.exit_turn_rad if leg.length_m > 1.1 else leg.first_turn_rad
+    if CLEAR_TURN_RAD < abs(turned) < math.radians(140):
+        options.append((0.25, lambda: make.turn_into(turned, there, rng)))
+    options += sided(stretch, turned)
+    return stretch.pick(options)
+
+
+def sided(stretch: Stretch, turned: float) -> list[tuple[float, Callable[[], Clause]]]:
+    """Crossings that name a side or an ordinal."""
+    leg, rng = stretch.leg, stretch.rng
+    portal, there = leg.portal, stretch.next_room
+    if portal is None or there is None:
+        return []
+    options: list[tuple[float, Callable[[], Clause]]] = []
+    travel = travel_yaw(leg, stretch.node)
+    counted = stretch.topology.ordinals(stretch.node, portal, travel)
+    said = abs(stretch.leg.first_turn_rad) > CLEAR_TURN_RAD
+    bearing = math.atan2(portal.centre[1] - stretch.node.xy[1], portal.centre[0] - stretch.node.xy[0]) - stretch.node.yaw_rad
+    bearing = wrap_angle(bearing)
+    side = 0
+    if abs(turned) > CLEAR_TURN_RAD and leg.length_m > 1.1:
+        side = 1 if turned > 0 else -1
+    if stretch.index and not said and math.radians(30) < abs(bearing) < math.radians(110) and (not side or side * bearing > 0):
+        side = 1 if bearing > 0 else -1
+    if side and stretch.index:
+        options += [(0.3, lambda: make.door_on_side(portal, side, rng)), (0.25, lambda: make.room_on_side(there, side, rng))]
+    if counted is not None and is_hallway(stretch.room) and leg.length_m > 1.1:
+        sign, ordinal = counted
+        if ordinal <= 3:
+            options += [
+                (0.4, lambda: make.ordinal_door(portal, sign, ordinal, rng)),
+                (0.2, lambda: make.ordinal_turn(sign, ordinal)),
+            ]
+    if not is_hallway(there) and stretch.index and there.type != "balcony":
+        options.append((0.12, lambda: make.next_room()))
+    return options
+
+
+def joined(clauses: list[Clause], rng: np.random.Generator) -> tuple[Clause, ...]:
+    """Some clauses become events: "once you ..., ..." and "... until you ..."."""
+    out = list(clauses)
+    for k in range(len(out) - 1):
+        a, b = out[k], out[k + 1]
+        if a.form in make.ONCE_FORMS and not b.wrap and rng.random() < 0.07 and (k == 0 or not out[k - 1].wrap):
+            out[k] = replace(a, wrap="once", codes=(*a.codes, "C1"))
+        elif a.form in make.UNTIL_AFTER and b.form in make.UNTIL_FORMS and not a.wrap and rng.random() < 0.3:
+            out[k + 1] = replace(b, wrap="until", codes=(*b.codes, "C2"))
+    return tuple(out)
+
+
+__all__ = ["Along", "See", "Turn", "describe"]

@@ -1,0 +1,189 @@
+"""Route episodes: a route, its instruction, and the proof that the instruction leads nowhere else."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from spacevln.core.geometry import Pose, wrap_angle
+from spacevln.core.task import EpisodeSpec, InstructionTask
+from spacevln.environments.houses.episodes.clauses import Clause, anchors
+from spacevln.environments.houses.episodes.compose import describe
+from spacevln.environments.houses.episodes.episode import (
+    EpisodeTags,
+    HouseEpisode,
+    NoEpisodeError,
+    Point,
+    Split,
+    length_bin,
+    resample,
+    rounded,
+)
+from spacevln.environments.houses.episodes.realise import Text, realise
+from spacevln.environments.houses.episodes.routes import Route, make_route, sample_end, sample_start
+from spacevln.environments.houses.episodes.semantics import consistent_places
+from spacevln.environments.houses.episodes.space import Float
+from spacevln.environments.houses.episodes.topology import Topology
+from spacevln.environments.houses.episodes.weights import log_weight
+from spacevln.environments.houses.geodesics import Geodesics
+from spacevln.environments.houses.plan import House
+from spacevln.environments.houses.walkable import Walkable
+
+MAX_AMBIGUITY_M = 3.0
+SHORTEST_M, LONGEST_M = 4.0, 21.0
+_STREAM: dict[Split, int] = {"dev": 71, "test": 72}
+_ROUTES = 5
+_ROUTE_ATTEMPTS = 50
+_DETAILS = (1.0, 1.0, 1.0, 1.0, 1.3, 1.3, 1.7, 1.7, 2.4)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An instruction for a route that holds: every place it may mean lies near the goal."""
+
+    route: Route
+    clauses: tuple[Clause, ...]
+    text: Text
+    places: int
+    ambiguity_m: float
+
+
+def route_episode(house: House, seed: int, split: Split = "dev") -> HouseEpisode:
+    """One route episode of a house.
+
+    Args:
+        house: where.
+        seed: any number; the same seed gives the same episode.
+        split: whose phrases word it.
+
+    Raises:
+        NoEpisodeError: no route of this house can be said without ambiguity; take another seed.
+    """
+    rng = np.random.default_rng([house.seed, seed, _STREAM[split]])
+    walkable = Walkable(house)
+    topology = Topology(house, walkable)
+    geodesics = Geodesics(walkable)
+    pool = list(candidates(topology, geodesics, split, rng))
+    if not pool:
+        raise NoEpisodeError(
+            f"House seed {house.seed} gave no unambiguous route with episode seed {seed} in {_ROUTE_ATTEMPTS} attempts; "
+            "take another episode seed."
+        )
+    scores = np.array(
+        [log_weight(c.clauses, c.text, c.route.length_m, c.route.end.kind, height(topology, c.route), split) for c in pool]
+    )
+    chosen = pool[int(np.argmax(scores + rng.gumbel(size=len(pool))))]
+    return episode_of(topology, chosen, seed, split)
+
+
+def first_route_episode(house: House, split: Split = "dev") -> HouseEpisode:
+    """The route episode of a house: of the first seed that yields one.
+
+    Raises:
+        NoEpisodeError: twelve seeds in a row yield none.
+    """
+    for seed in range(11):
+        try:
+            return route_episode(house, seed, split)
+        except NoEpisodeError:
+            continue
+    return route_episode(house, 11, split)
+
+
+def height(topology: Topology, route: Route) -> float:
+    """Height of the goal over the start [m]."""
+    rooms, floors = topology.house.rooms, topology.house.floors
+    return floors[rooms[route.end.room].floor].z_m - floors[rooms[route.start.room].floor].z_m
+
+
+def candidates(topology: Topology, geodesics: Geodesics, split: Split, rng: np.random.Generator) -> Iterator[Candidate]:
+    """Instructions for some routes of a house, all of them unambiguous."""
+    routes = 0
+    for _ in range(_ROUTE_ATTEMPTS):
+        if routes == _ROUTES:
+            return
+        found = sample_route(topology, geodesics, rng)
+        if found is None:
+            continue
+        kept = list(instructions(topology, *found, split, rng))
+        routes += bool(kept)
+        yield from kept
+
+
+def sample_route(topology: Topology, geodesics: Geodesics, rng: np.random.Generator) -> tuple[Route, Float] | None:
+    """A route and the distances to its goal, or None when the draw is unusable."""
+    house = topology.house
+    end = sample_end(topology, rng)
+    if end is None:
+        return None
+    floor = house.rooms[end.room].floor
+    near = topology.space.field(*end.xy, floor)
+    target = float(np.clip(rng.normal(9.6, 3.6), SHORTEST_M + 0.3, LONGEST_M - 1.0))
+    picked = sample_start(topology, near, floor, target, rng)
+    if picked is None:
+        return None
+    (x, y), start_floor = picked
+    z = house.floors[start_floor].z_m
+    field = geodesics.distances_from([(*end.xy, house.floors[floor].z_m)])
+    length = field.at(x, y, z)
+    if not SHORTEST_M <= length <= LONGEST_M:
+        return None
+    room = int(topology.space.room[(start_floor, *topology.space.ij(np.array([[x, y]]))[0])])
+    yaw = wrap_angle(math.radians(30) * int(rng.integers(12)))
+    route = make_route(topology, (x, y), room, yaw, end, field.path(x, y, z), length)
+    return None if route is None else (route, near)
+
+
+def instructions(topology: Topology, route: Route, near: Float, split: Split, rng: np.random.Generator) -> Iterator[Candidate]:
+    """Instructions that say a route and lead nowhere else, from terse to detailed."""
+    start = start_pose(topology, route)
+    for detail in _DETAILS:
+        clauses = describe(topology, route, rng, detail)
+        if clauses is None:
+            return
+        if not clauses:
+            continue
+        places = consistent_places(topology, start, clauses)
+        if not places:
+            continue
+        worst = max(topology.space.value(near, x, y, floor) for x, y, floor in places)
+        if worst <= MAX_AMBIGUITY_M:
+            yield Candidate(route, clauses, realise(clauses, split, rng), len(places), worst)
+
+
+def start_pose(topology: Topology, route: Route) -> Pose:
+    """The start in the scene frame, in millimetres."""
+    floor = topology.house.rooms[route.start.room].floor
+    x, y, z = rounded(*route.start.xy, topology.house.floors[floor].z_m)
+    return Pose(x, y, z, round(route.start.yaw_rad, 6))
+
+
+def episode_of(topology: Topology, chosen: Candidate, seed: int, split: Split) -> HouseEpisode:
+    """The episode of a candidate."""
+    route, house = chosen.route, topology.house
+    path: tuple[Point, ...] = tuple(rounded(*map(float, p)) for p in route.path)
+    floors = {house.rooms[leg.room].floor for leg in route.legs}
+    tags = EpisodeTags(
+        split=split,
+        length_bin=length_bin(route.length_m),
+        floors=len(floors),
+        height_m=round(path[-1][2] - path[0][2], 3),
+        doors=len(route.legs) - 1,
+        words=chosen.text.words,
+        sentences=chosen.text.sentences,
+        anchors=anchors(chosen.clauses),
+        clauses=tuple(code for clause in chosen.clauses for code in clause.codes),
+        places=chosen.places,
+        ambiguity_m=round(chosen.ambiguity_m, 3),
+    )
+    spec = EpisodeSpec(
+        episode_id=f"{house.name}-{split}-route-{seed}",
+        scene=house.name,
+        start=start_pose(topology, route),
+        task=InstructionTask(chosen.text.text),
+    )
+    nodes = int(np.clip(round(route.length_m / 2.0) + 1, 4, 7))
+    return HouseEpisode(spec, (path[-1],), resample(path, nodes), path, round(route.length_m, 3), tags)
