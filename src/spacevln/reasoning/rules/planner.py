@@ -1,0 +1,238 @@
+"""The rule-based planner: pi_P without a model (DESIGN 5.4).
+
+It reads what a model would read: the look-around's lifted detections, memory's frontiers, floors and chain, feedback, the metric
+map. The instruction becomes clauses and a space-landmark anchor chain; trails through the perceived world are scored against the
+clauses (:mod:`.search`), and the best hypothesis gives the next verifiable stage. Object goals are searched (:mod:`.object_goal`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from spacevln.core import (
+    Anchor,
+    InstructionTask,
+    ObjectGoalTask,
+    PlannerContext,
+    PlannerReply,
+    PlannerThought,
+    SpaceKind,
+    Subtask,
+    Task,
+    Verdict,
+)
+from spacevln.language import Clause, cue_kind, known_categories, norm, region_kind
+from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, way_length_m
+from spacevln.reasoning.rules.object_goal import find_object
+from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses
+from spacevln.reasoning.rules.search import Hypothesis, Search
+from spacevln.reasoning.rules.sightings import XY
+from spacevln.reasoning.rules.state import EpisodeState
+from spacevln.reasoning.rules.thought import describe_here, observation_text, progress_text
+from spacevln.reasoning.rules.world import World
+
+ARRIVED_M = 0.8
+WALK_COST_PER_M = 0.02
+FAILURE_COST = 0.8
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """What a boundary decided: where to walk and what that means.
+
+    Args:
+        xy, floor: place.
+        anchor: the stage's target anchor.
+        rest: anchors planned after it, the final one last; empty when ``anchor`` is the final one.
+        final: the goal itself.
+        reason: in words.
+        fallbacks: substitutes taken.
+    """
+
+    xy: XY
+    floor: int
+    anchor: Anchor
+    rest: tuple[Anchor, ...]
+    final: bool
+    reason: str
+    fallbacks: tuple[str, ...] = ()
+
+
+class RulePlanner:
+    """Implements :class:`spacevln.core.Planner`. Deterministic: the same contexts give the same replies."""
+
+    def __init__(self) -> None:
+        self._state = EpisodeState()
+        self._clauses: tuple[Clause, ...] | None = None
+
+    def reset(self) -> None:
+        """Forget the episode."""
+        self._state = EpisodeState()
+        self._clauses = None
+
+    def lookaround_queries(self, task: Task) -> Sequence[str]:
+        """The whole known vocabulary, a stated deviation: rules see nothing but detections."""
+        goal = norm(task.goal)[:1] if isinstance(task, ObjectGoalTask) else ()
+        return tuple(dict.fromkeys((*goal, *known_categories())))
+
+    def plan(self, context: PlannerContext) -> PlannerReply:
+        """The next subtask.
+
+        Raises:
+            ModelError: the task names nothing that the rules understand.
+        """
+        if isinstance(context.task, InstructionTask) and self._clauses is None:
+            self._clauses = route_clauses(context.task.instruction)
+        state = self._state
+        if context.rejections:
+            world = World(
+                state.sightings,
+                state.grids,
+                context.memory.frontiers if context.memory else (),
+                state.floor_of(context),
+                state.links,
+                state.visited,
+            )
+            reached = False
+        else:
+            reached = state.judge_last_stage(context, state.floor_of(context))
+            world = state.observe(context)
+        here = describe_here(context, world)
+        if not state.verified:
+            state.verified.append(here)
+        elif (
+            reached
+            and context.last_subtask is not None
+            and context.last_subtask.next_anchor is not None
+            and not context.rejections
+        ):
+            state.verified.append(context.last_subtask.next_anchor)
+        match context.task:
+            case InstructionTask():
+                goal = self._route_goal(context, world)
+            case ObjectGoalTask(goal=name):
+                goal = self._object_goal(context, world, name)
+        return self._reply(context, world, here, goal, reached)
+
+    def _route_goal(self, context: PlannerContext, world: World) -> Goal:
+        clauses = self._clauses or ()
+        search = Search(world, clauses)
+        hypotheses = search.run(self._state.start_node(world))
+        if not hypotheses:
+            return self._lost(context, world, final_anchor(clauses))
+        best = max(hypotheses[:12], key=lambda h: (self._worth(context, h), -h.value))
+        return self._goal_of(best, clauses, world)
+
+    def _worth(self, context: PlannerContext, hypothesis: Hypothesis) -> float:
+        if hypothesis.floor != self._state.floor_of(context):
+            way = 6.0
+        else:
+            way = way_length_m(context, hypothesis.goal)
+        return hypothesis.value - WALK_COST_PER_M * way - FAILURE_COST * self._state.failed(hypothesis.floor, hypothesis.goal)
+
+    def _goal_of(self, best: Hypothesis, clauses: tuple[Clause, ...], world: World) -> Goal:
+        final = final_anchor(clauses)
+        score = f"agreement {best.value:.2f}"
+        if best.complete:
+            return Goal(best.goal, best.floor, final, (), True, f"the stop place is seen ({score})")
+        planned = planned_anchors(clauses, best.followed)
+        rest = planned if planned and planned[-1] == final else (*planned, final)
+        done = next((anchor for clause in reversed(clauses[: best.followed]) if (anchor := anchor_of(clause)) is not None), None)
+        match best.kind:
+            case "portal":
+                portal = best.trail.legs[-1].portal
+                name = portal.category if portal is not None else "doorway"
+                anchor = (
+                    done if done is not None and done.space and not done.cue else Anchor(f"{name} beyond", SpaceKind.CONNECTOR)
+                )
+                reason = f"the {name} leads on ({score})"
+            case "stairs":
+                anchor = Anchor("stairs", SpaceKind.FLOOR_TRANSITION)
+                reason = f"the stairs lead to another floor ({score})"
+            case _:
+                anchor = Anchor("edge of the known floor", SpaceKind.CONNECTOR)
+                reason = f"this part is not seen yet ({score})"
+        if rest and str(rest[0]) == str(anchor) and len(rest) > 1:
+            rest = rest[1:]
+        return Goal(best.goal, best.floor, anchor, rest, False, reason)
+
+    def _object_goal(self, context: PlannerContext, world: World, name: str) -> Goal:
+        final = Anchor("", SpaceKind.UNKNOWN, name, cue_kind(name))
+        found = find_object(context, world, name, self._state)
+        if found is None:
+            return self._lost(context, world, final)
+        if found.seen:
+            return Goal(found.xy, found.floor, final, (), True, found.reason)
+        anchor = Anchor(found.space, region_kind(found.space) if not found.stairs else SpaceKind.FLOOR_TRANSITION)
+        return Goal(found.xy, found.floor, anchor, (final,), False, found.reason)
+
+    def _lost(self, context: PlannerContext, world: World, final: Anchor) -> Goal:
+        """Nothing fits: the most open direction."""
+        view = max(context.views, key=lambda v: (round(v.obstacle_m, 2), v.label))
+        pose = context.pose.turned(view.heading_rad)
+        reach = min(2.0, max(0.3, view.obstacle_m - 0.3))
+        xy = pose.compose(replace(pose, x_m=reach, y_m=0.0, z_m=0.0, yaw_rad=0.0))
+        anchor = Anchor("open direction", SpaceKind.CONNECTOR)
+        return Goal(
+            (xy.x_m, xy.y_m), world.floor, anchor, (final,), False, "no hypothesis fits what is known", ("most_open_direction",)
+        )
+
+    def _reply(self, context: PlannerContext, world: World, here: Anchor, goal: Goal, reached: bool) -> PlannerReply:
+        state = self._state
+        verified = tuple(state.verified)
+        complete = (
+            goal.final
+            and goal.floor == world.floor
+            and context.stage > 0
+            and not context.rejections
+            and self._at(context, goal, reached)
+        )
+        if complete:
+            if verified[-1] != goal.anchor or len(verified) < 2:
+                verified = (*verified, goal.anchor)
+            chain, index, following = verified, len(verified) - 1, None
+        else:
+            if goal.final and len(verified) > 1 and verified[-1] == goal.anchor:
+                following = goal.anchor
+            following = goal.anchor
+            chain, index = (*verified, goal.anchor, *goal.rest), len(verified) - 1
+        bearing = bearing_of_way(context, goal.xy)
+        view = choose_view(context, bearing)
+        state.target = (goal.floor, goal.xy)
+        landmark = "" if following is None else following.cue
+        subtask = Subtask(
+            chain=chain,
+            current_index=index,
+            current_anchor=here,
+            next_anchor=following,
+            direction=view.label,
+            instruction="" if following is None else f"Go {view.label} to the {following}; {goal.reason}.",
+            landmark=landmark,
+            complete=complete,
+            verdict=self._verdict(context, reached),
+            target_m=None if following is None else (goal.xy[0], goal.xy[1], context.pose.z_m),
+        )
+        thought = PlannerThought(
+            observation=observation_text(context, world),
+            memory=f"{len(state.visited)} places visited, {len(world.sightings.portals)} ways and {len(world.sightings.things)} things known; here: {here}.",
+            progress=progress_text(chain, index, reached),
+            decision=f"{goal.reason[:1].upper()}{goal.reason[1:]}, {way_length_m(context, goal.xy):.1f} m from here.",
+            plan="The goal is reached: stop."
+            if complete
+            else f"{view.label}: {following}" + (f", then {', '.join(map(str, goal.rest))}." if goal.rest else "."),
+        )
+        return PlannerReply(subtask, thought, goal.fallbacks)
+
+    def _at(self, context: PlannerContext, goal: Goal, reached: bool) -> bool:
+        headed = context.last_subtask is not None and context.last_subtask.targets_final_anchor
+        near = context.pose.distance_m(*goal.xy) <= ARRIVED_M
+        if goal.anchor.cue:
+            return headed and (reached and context.pose.distance_m(*goal.xy) <= 2 * ARRIVED_M or near)
+        return near and (headed or context.stage > 0)
+
+    @staticmethod
+    def _verdict(context: PlannerContext, reached: bool) -> Verdict:
+        if context.last_subtask is None:
+            return Verdict.FIRST
+        return Verdict.COMPLETED if reached else Verdict.CONTINUE

@@ -1,0 +1,85 @@
+"""From an instruction to the clauses that the search aligns, and to the anchors that the chain names."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from spacevln.core import Anchor, CueKind, ModelError, SpaceKind
+from spacevln.language import Clause, ClauseType, NounKind, NounPhrase, cue_kind, parse, region_kind
+
+T = ClauseType
+MAX_CLAUSES = 24
+_SOFT = (T.NOTICE, T.STRAIGHT, T.ORIENT)
+
+
+def route_clauses(instruction: str) -> tuple[Clause, ...]:
+    """The clauses to follow, the last one a STOP.
+
+    Raises:
+        ModelError: the instruction names no place and no action that the rules understand.
+    """
+    clauses = list(parse(instruction))
+    if not clauses or all(
+        c.type is T.NOTICE and (c.place is None or c.place.kind is NounKind.OBJECT and not _known(c.place)) for c in clauses
+    ):
+        shown = instruction.strip()[:60]
+        raise ModelError(
+            f"The instruction {shown!r} names no place or action that the rule planner understands: give an English route instruction."
+        )
+    stops = [i for i, clause in enumerate(clauses) if clause.type is T.STOP]
+    if stops:
+        named = [i for i in stops if clauses[i].place is not None]
+        last = named[-1] if named and named[-1] >= stops[-1] - 1 else stops[-1]
+        rest = [
+            c
+            for i, c in enumerate(clauses)
+            if i != last and c.type is not T.STOP and not (i > last and c.type in (*_SOFT, T.TURN))
+        ]
+        clauses = [*rest, clauses[last]]
+    else:
+        clauses.append(Clause(T.STOP, "stop"))
+    return tuple(clauses[: MAX_CLAUSES - 1] + clauses[-1:] if len(clauses) > MAX_CLAUSES else clauses)
+
+
+def _known(phrase: NounPhrase) -> bool:
+    return phrase.phrase != "" and cue_kind(phrase.head) is not CueKind.NONE and phrase.head in phrase.phrase
+
+
+def anchor_of(clause: Clause) -> Anchor | None:
+    """The space-landmark anchor of a clause; None when it names nothing to verify."""
+    phrase = clause.place
+    if phrase is None or clause.type in (T.NOTICE, T.ORIENT):
+        return None
+    if clause.type is T.STAIRS or phrase.kind is NounKind.STAIRS and clause.vertical:
+        return Anchor(f"stairs {clause.vertical}".strip(), SpaceKind.FLOOR_TRANSITION)
+    if phrase.kind is NounKind.REGION:
+        space = f"end of the {phrase.head}" if phrase.part == "end" else phrase.head
+        return Anchor(space, region_kind(phrase.head))
+    if phrase.kind is NounKind.OPENING:
+        space = f"{phrase.region} {phrase.head}".strip()
+        return Anchor(space, SpaceKind.CONNECTOR)
+    if phrase.kind in (NounKind.OBJECT, NounKind.STAIRS):
+        space = phrase.of.head if phrase.of is not None and phrase.of.kind is NounKind.REGION else ""
+        return Anchor(space, region_kind(space) if space else SpaceKind.UNKNOWN, phrase.phrase, cue_kind(phrase.phrase))
+    return None
+
+
+def planned_anchors(clauses: tuple[Clause, ...], followed: int) -> tuple[Anchor, ...]:
+    """Anchors of the clauses that remain, without immediate repeats."""
+    anchors: list[Anchor] = []
+    for clause in clauses[followed:]:
+        anchor = anchor_of(clause)
+        if anchor is not None and (not anchors or str(anchors[-1]) != str(anchor)):
+            anchors.append(anchor)
+    return tuple(anchors)
+
+
+def final_anchor(clauses: tuple[Clause, ...]) -> Anchor:
+    """The goal: what the last clause that names something names."""
+    for clause in reversed(clauses):
+        anchor = anchor_of(replace(clause, vertical="") if clause.type is T.STOP else clause)
+        if anchor is not None:
+            if anchor.space_kind is SpaceKind.FLOOR_TRANSITION:
+                return Anchor("end of the " + anchor.space, SpaceKind.CONNECTOR)
+            return anchor
+    return Anchor("end of the route", SpaceKind.UNKNOWN)

@@ -1,0 +1,213 @@
+"""The perceived world: rooms of known floor, joined by portals, with what was seen in them. Never ground truth.
+
+A room's type is inferred from the things in it (``language.region_scores``) and from its shape; the simulator's room labels do not
+reach this far.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from spacevln.core import Frontier, Pose, SpatialMap
+from spacevln.language import REGION_CUES, region_scores
+from spacevln.language.nouns_lexicon import STAIRS
+from spacevln.reasoning.rules.grid import NOWHERE, FloorGrid
+from spacevln.reasoning.rules.legs import Leg, Node, make_leg
+from spacevln.reasoning.rules.sightings import XY, Portal, Sightings, Thing
+
+FLOOR_HEIGHT_M = 1.5
+SIDE_REACHES_M = (0.35, 0.5, 0.65, 0.8, 0.25)
+HALLWAY_BREADTH_M = 2.6
+RELATED = {
+    "patio": ("balcony",), "balcony": ("patio",), "lobby": ("hallway",), "hallway": ("lobby",), "closet": ("dressing room", "storage"),
+    "dressing room": ("closet",), "storage": ("closet", "pantry", "garage"), "library": ("office",), "office": ("library", "studio"),
+    "studio": ("office",), "media room": ("living room",), "pantry": ("kitchen", "storage"), "mudroom": ("hallway",), "attic": ("storage",),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A flight of stairs that was walked: where it was left and where it ended."""
+
+    floor: int
+    xy: XY
+    other_floor: int
+    other_xy: XY
+    yaw_rad: float
+
+
+class World:
+    """One planning boundary's picture of everything known.
+
+    Args:
+        sightings: things and portals so far.
+        grids: known floor by storey.
+        frontiers: of the current storey.
+        floor: current storey.
+        links: stairs walked so far.
+        visited: places of earlier boundaries, (floor, xy).
+    """
+
+    def __init__(
+        self,
+        sightings: Sightings,
+        grids: dict[int, FloorGrid],
+        frontiers: Sequence[Frontier],
+        floor: int,
+        links: Sequence[Link],
+        visited: Sequence[tuple[int, XY]],
+    ) -> None:
+        self.sightings = sightings
+        self.grids = grids
+        self.frontiers = tuple(frontiers)
+        self.floor = floor
+        self.links = tuple(links)
+        self.visited_rooms = {(f, grids[f].room_at(xy)) for f, xy in visited if f in grids}
+        self._scores: dict[tuple[int, int], dict[str, float]] = {}
+        self._legs: dict[tuple[object, ...], Leg | None] = {}
+
+    def room_at(self, floor: int, xy: XY, within_m: float = 0.5) -> int:
+        """Room of a point; 0 when unknown."""
+        return self.grids[floor].room_at(xy, within_m) if floor in self.grids else NOWHERE
+
+    @cached_property
+    def room_of_thing(self) -> dict[int, tuple[int, int]]:
+        """(floor, room) of every thing."""
+        return {t.id: (t.floor, self.room_at(t.floor, t.front, 0.7)) for t in self.sightings.things}
+
+    @cached_property
+    def portal_rooms(self) -> dict[int, tuple[int, int]]:
+        """Rooms on the two sides of every portal; 0 where unknown."""
+        out = {}
+        for portal in self.sightings.portals:
+            sides = []
+            for side in (0, 1):
+                rooms = (self.room_at(portal.floor, portal.beside(side, reach), 0.2) for reach in SIDE_REACHES_M)
+                sides.append(next((room for room in rooms if room), NOWHERE))
+            out[portal.id] = (sides[0], sides[1])
+        return out
+
+    def portals_of(self, floor: int, room: int) -> list[tuple[Portal, int]]:
+        """Portals of a room with the side that lies in it."""
+        found = []
+        for portal in self.sightings.portals:
+            if portal.floor == floor:
+                for side in (0, 1):
+                    if self.portal_rooms[portal.id][side] == room:
+                        found.append((portal, side))
+                        if self.portal_rooms[portal.id][1 - side] == room:
+                            found.append((portal, 1 - side))
+                        break
+        return found
+
+    def things_of(self, floor: int, room: int) -> list[Thing]:
+        """Things seen in a room."""
+        return [thing for thing in self.sightings.things if self.room_of_thing[thing.id] == (floor, room)]
+
+    def stairs_of(self, floor: int, room: int) -> list[Thing]:
+        """Flights of stairs seen in a room."""
+        return [thing for thing in self.things_of(floor, room) if thing.category in STAIRS]
+
+    def frontiers_of(self, floor: int, room: int) -> list[Frontier]:
+        """Edges of the known floor that belong to a room of the current storey."""
+        if floor != self.floor:
+            return []
+        return [f for f in self.frontiers if math.isfinite(f.geodesic_m) and self.room_at(floor, f.position_m, 0.6) == room]
+
+    def scores(self, floor: int, room: int) -> dict[str, float]:
+        """Evidence for each region type of a room, hallways from its shape included."""
+        key = (floor, room)
+        if key not in self._scores:
+            if not room:
+                self._scores[key] = {}
+            else:
+                scores = region_scores([(thing.category, 1.0) for thing in self.things_of(floor, room)])
+                grid = self.grids[floor]
+                breadth = grid.breadth_m(room)
+                strongest = max(scores.values(), default=0.0)
+                doors = len(self.portals_of(floor, room))
+                if breadth < HALLWAY_BREADTH_M and (floor, room) in self.visited_rooms or doors >= 3:
+                    narrow = 1.5 if breadth < HALLWAY_BREADTH_M else 0.5
+                    scores["hallway"] = scores.get("hallway", 0.0) + max(0.0, narrow * min(doors, 4) / 2 - 0.4 * strongest)
+                self._scores[key] = scores
+        return self._scores[key]
+
+    def region(self, floor: int, room: int) -> str:
+        """Best region type of a room, ``""`` without evidence."""
+        scores = self.scores(floor, room)
+        best = max(scores, key=lambda name: (scores[name], name), default="")
+        return best if best and scores[best] >= 1.0 else ""
+
+    def compatible(self, region: str, floor: int, room: int) -> float:
+        """How well a room agrees with a region type: 1 surely, 0 unknown, -1 surely another."""
+        if not region:
+            return 0.0
+        scores = self.scores(floor, room)
+        strongest = max(scores.values(), default=0.0)
+        own = max(scores.get(name, 0.0) for name in (region, *RELATED.get(region, ())))
+        if strongest < 1.0:
+            return 0.0
+        if own >= 0.55 * strongest:
+            return min(1.0, 0.5 + own / 8.0)
+        known = region in REGION_CUES or region == "hallway"
+        return (own - strongest) / max(strongest, 5.0) if known else -0.3
+
+    def leg(
+        self,
+        node: Node,
+        goal: XY,
+        kind: str,
+        portal: Portal | None = None,
+        side: int = 0,
+        thing: Thing | None = None,
+        label: str = "",
+    ) -> Leg | None:
+        """The leg from a node to a place of its room, cached."""
+        key = (
+            node.portal,
+            node.side,
+            node.floor,
+            node.room,
+            kind,
+            portal.id if portal else -1,
+            side,
+            thing.id if thing else -1,
+            round(goal[0], 1),
+            round(goal[1], 1),
+        )
+        if key not in self._legs:
+            points = self.grids[node.floor].walk(node.room, node.xy, goal) if node.room else None
+            self._legs[key] = None if points is None else make_leg(node, points, kind, portal, side, thing, label)
+        return self._legs[key]
+
+    def across(self, portal: Portal, side: int) -> Node:
+        """Just beyond a portal for someone who comes from ``side``."""
+        room = self.portal_rooms[portal.id][1 - side]
+        return Node(portal.floor, room, portal.beside(1 - side, 0.45), portal.normal_rad(side), portal.id, 1 - side)
+
+
+def known_points(
+    sightings: Sightings, pose: Pose, visited: Sequence[tuple[int, XY]], frontiers: Sequence[Frontier], floor: int
+) -> np.ndarray:
+    """Places (N, 2) that bound the known part of a storey."""
+    things, portals = sightings.on(floor)
+    points = [thing.xy for thing in things] + [portal.xy for portal in portals] + [xy for f, xy in visited if f == floor]
+    points += [f.position_m for f in frontiers] + [(pose.x_m, pose.y_m)]
+    return np.array(points, dtype=np.float64)
+
+
+def build_grid(
+    space: SpatialMap,
+    sightings: Sightings,
+    pose: Pose,
+    visited: Sequence[tuple[int, XY]],
+    frontiers: Sequence[Frontier],
+    floor: int,
+) -> FloorGrid:
+    """The grid of the storey that the map shows now."""
+    return FloorGrid(space, known_points(sightings, pose, visited, frontiers, floor), sightings.on(floor)[1])
