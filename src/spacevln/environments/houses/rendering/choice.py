@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from spacevln.core.errors import PrerequisiteError, UnknownNameError
-from spacevln.environments.houses.rendering.gl import GLRenderer, try_backend
+from spacevln.environments.houses.rendering.gl import GLRenderer, shared_context
 from spacevln.environments.houses.rendering.probe import INSTALL_HINT, Backend, Probe, probe_gl
 from spacevln.environments.houses.rendering.protocol import Drawable, Renderer
 from spacevln.environments.houses.rendering.raycast import RaycastRenderer
@@ -41,7 +41,7 @@ def _probe() -> Probe:
     probe = probe_gl()
     if probe.backend is not None:
         try:
-            try_backend(probe.backend)
+            shared_context(probe.backend)
         except PrerequisiteError as error:
             return Probe(None, f"{probe.backend} fails ({error.__cause__})")
     return probe

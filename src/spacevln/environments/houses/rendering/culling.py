@@ -19,6 +19,7 @@ from spacevln.environments.houses.plan import House, Opening, Rect, Room, Stairs
 
 _MARGIN_M = 0.05
 _MAX_DEPTH = 12
+_TURNS = (0.0, math.tau, -math.tau)
 Interval = tuple[float, float]
 
 
@@ -150,9 +151,10 @@ class Visibility:
                 continue
             for portal in self._portals[k]:
                 low, high = _bearings(portal, x, y, yaw)
-                low, high = max(low, right), min(high, left)
-                if low < high:
-                    stack.append((portal.to, low, high, depth + 1))
+                for turn in _TURNS:  # what straddles the direction straight back appears at both ends
+                    cut = (max(low + turn, right), min(high + turn, left))
+                    if cut[0] < cut[1]:
+                        stack.append((portal.to, *cut, depth + 1))
         return views
 
     def visible(self, x: float, y: float, z: float, yaw: float, half_fov: float) -> NDArray[np.bool_]:
@@ -161,13 +163,13 @@ class Visibility:
         if not views:
             return np.ones(len(self._lower), dtype=np.bool_)
         right, left = self._geom_bearings(x, y, yaw)
-        seen = self._everywhere & (left > -half_fov) & (right < half_fov)
+        seen = self._everywhere & _meets(right, left, -half_fov, half_fov)
         for k, (low, high) in views.items():
-            seen |= self._member[:, k] & (left > low) & (right < high)
+            seen |= self._member[:, k] & _meets(right, left, low, high)
         return seen
 
     def _geom_bearings(self, x: float, y: float, yaw: float) -> tuple[Float, Float]:
-        """Bearings [rad] of the right and left ends of the geoms' bounds; (-pi, pi) for those around the camera."""
+        """Bearings [rad] of the right and left ends of the geoms' bounds; those around the camera have (-pi, pi)."""
         lower, upper = self._lower[:, :2] - (x, y), self._upper[:, :2] - (x, y)
         corners_x = np.stack([lower[:, 0], upper[:, 0], upper[:, 0], lower[:, 0]])
         corners_y = np.stack([lower[:, 1], lower[:, 1], upper[:, 1], upper[:, 1]])
@@ -178,10 +180,17 @@ class Visibility:
         spread = (spread + math.pi) % math.tau - math.pi
         middle = (centre - yaw + math.pi) % math.tau - math.pi
         right, left = middle + spread.min(axis=0), middle + spread.max(axis=0)
-        # What straddles the direction straight back appears at both ends: such things lie behind the camera or beside it.
-        wraps = around | ~np.isfinite(right) | (left > math.pi) | (right < -math.pi)
-        right[wraps], left[wraps] = -math.pi, math.pi
+        around |= ~np.isfinite(right)
+        right[around], left[around] = -math.pi, math.pi
         return right, left
+
+
+def _meets(right: Float, left: Float, low: float, high: float) -> NDArray[np.bool_]:
+    """Which intervals (right, left) of bearings overlap (low, high), full turns aside."""
+    found = np.zeros(len(right), dtype=np.bool_)
+    for turn in _TURNS:
+        found |= (left + turn > low) & (right + turn < high)
+    return found
 
 
 def _bearings(portal: _Portal, x: float, y: float, yaw: float) -> Interval:
@@ -193,7 +202,4 @@ def _bearings(portal: _Portal, x: float, y: float, yaw: float) -> Interval:
     towards = math.atan2(centre_y - y, centre_x - x)
     spread = [wrap_angle(math.atan2(cy - y, cx - x) - towards) for cx, cy in portal.corners]
     middle = wrap_angle(towards - yaw)
-    low, high = middle + min(spread), middle + max(spread)
-    if low < -math.pi or high > math.pi:
-        return -math.pi, math.pi
-    return low, high
+    return middle + min(spread), middle + max(spread)
