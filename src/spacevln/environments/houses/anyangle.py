@@ -1,4 +1,4 @@
-"""Kernels of the any-angle search behind :mod:`geodesics`: shortest paths over cells, bent only at cells, straight between bends."""
+"""Kernels of the any-angle search behind :mod:`geodesics`: paths bend only at cells and are straight between them."""
 
 from __future__ import annotations
 
@@ -182,7 +182,7 @@ def look_up(
     """Distance from a point (cell units) on storey ``f``, the node it goes by, and whether straight to that node's bend."""
     _, nx, ny = free.shape
     best, best_node, best_direct = np.inf, -1, False
-    ci, cj = int(math.floor(x)), int(math.floor(y))
+    ci, cj = math.floor(x), math.floor(y)
     for reach in range(1, snap + 1):
         for i in range(max(0, ci - reach), min(nx, ci + reach + 1)):
             for j in range(max(0, cj - reach), min(ny, cj + reach + 1)):

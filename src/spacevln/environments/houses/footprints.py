@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from spacevln.environments.houses.layout.structure import head_block, railings, walls
+from spacevln.environments.houses.layout.structure import head_block, railings, walls_of
 from spacevln.environments.houses.plan import House, Item, Part, Rect
 
 STEP_M = 0.05
@@ -29,7 +29,7 @@ def box(rect: Rect) -> tuple[float, float, float, float, float, float]:
 def wall_shapes(house: House, floor: int) -> Float:
     """Oriented boxes (N, 6) of walls, railings and the flight's end on a storey, at the height of the body."""
     z = house.floors[floor].z_m
-    rects = [part.rect for part in walls(house)[floor] if part.z0_m < z + CLEAR_M and part.z1_m > z + STEP_M]
+    rects = [part.rect for part in walls_of(house, floor) if part.z0_m < z + CLEAR_M and part.z1_m > z + STEP_M]
     rects += [railing.rect for railing in railings(house) if railing.floor == floor]
     rects += [head_block(stairs) for stairs in house.stairs if stairs.lower_floor == floor]
     return np.array([box(rect) for rect in rects], np.float64).reshape(-1, 6)

@@ -2,7 +2,7 @@
 
 Method: a search over 5 cm cells in which every cell remembers the last bend of its shortest path and hands it on along lines of
 sight (Theta*: Daniel, Nash, Koenig and Felner, JAIR 2010), so that distances are sums of straight pieces and not of grid steps.
-The free cells are those whose centre keeps the agent's radius from every obstacle. On stairs, distances are those along the slope.
+Free cells are those whose centre keeps the agent's radius from every obstacle. On stairs, distances run along the slope.
 """
 
 from __future__ import annotations

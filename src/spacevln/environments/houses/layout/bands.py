@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -35,15 +36,15 @@ PRIVATE_POOL: dict[Column, float] = {
     Column("gym"): 0.5,
     Column("library"): 0.5,
     Column("playroom"): 0.6,
-    SPLIT_COLUMNS[0]: 1.5,
-    SPLIT_COLUMNS[1]: 1.0,
+    SPLIT_COLUMNS[0]: 2.4,
+    SPLIT_COLUMNS[1]: 1.8,
     SPLIT_COLUMNS[2]: 0.6,
     SPLIT_COLUMNS[3]: 0.8,
     SPLIT_COLUMNS[4]: 0.6,
 }
 """Weights of what stands beside a hallway of the private part."""
 
-LIMITS = {"bathroom": 3, "closet": 2, "office": 2, "laundry room": 1, "gym": 1, "library": 1, "playroom": 1, "garage": 1}
+LIMITS = {"bathroom": 3, "closet": 3, "office": 2, "laundry room": 1, "gym": 1, "library": 1, "playroom": 1, "garage": 1}
 """Largest number of rooms of a type in a house; bedrooms are limited to five."""
 
 
@@ -130,7 +131,9 @@ def _draw(rng: np.random.Generator, draft: Draft, where: Strip, wanted: Sequence
 
 
 def _owned(columns: Sequence[Column]) -> bool:
-    """Whether every room at the back has a whole bedroom beside it, and no bedroom has two of the same kind."""
+    """Whether every room at the back has a whole bedroom beside it, and no two bathrooms off the hallway are neighbours."""
+    if any(a.front == b.front == "bathroom" for a, b in itertools.pairwise(columns)):
+        return False
     return all(column.back is None or _owner(columns, index) is not None for index, column in enumerate(columns))
 
 

@@ -38,22 +38,26 @@ def spine(rng: np.random.Generator) -> Draft | None:
     end = length
     if rng.random() < 0.4:
         end = length - metres(rng, 3.4, 4.4)
-        split = round(total * float(rng.uniform(0.52, 0.62)), 2)
-        suite = draft.add("bedroom", snapped(end, 0.0, length, split))
-        draft.add("bathroom", snapped(end, split, length, round(split + 2.4, 2)), owner=suite)
-        if total - split - 2.4 > 1.7:
-            draft.add("closet", snapped(end, round(split + 2.4, 2), length - 1.4, total), owner=len(draft.cells) - 1)
+        _suite(rng, draft, snapped(end, 0.0, length, south + hall))
     draft.add("hallway", snapped(0.0, south, end, south + hall))
     wanted = ("bedroom",) if end > 5 else ()
     ok = fill(rng, draft, strip(0.0, 0.0, end, south, "north"), 0, wanted)
     return draft if ok and fill(rng, draft, strip(0.0, south + hall, end, total, "south"), 0, ("bathroom", *wanted)) else None
 
 
+def _suite(rng: np.random.Generator, draft: Draft, block: Rect) -> None:
+    """A bedroom at a hallway's end with its own bathroom and closet side by side behind it."""
+    bedroom = draft.add("bedroom", block)
+    depth, split = metres(rng, 2.3, 2.8), block.x1 - metres(rng, 1.6, 2.0)
+    draft.add("bathroom", snapped(block.x0, block.y1, split, block.y1 + depth), owner=bedroom)
+    draft.add("closet", snapped(split, block.y1, block.x1, block.y1 + depth), owner=bedroom)
+
+
 def cottage(rng: np.random.Generator) -> Draft | None:
     """A small house: living room and kitchen at one end, a short hallway with a few rooms at the other."""
     draft = Draft()
     south, hall, north = metres(rng, 3.2, 4.2), metres(rng, 1.3, 1.6), metres(rng, 3.0, 4.0)
-    length = metres(rng, 4.6, 6.4)
+    length = metres(rng, 3.4, 6.0)
     total = south + hall + north
     width = metres(rng, 4.2, 5.6)
     split = metres(rng, total * 0.5, total * 0.62)
@@ -68,10 +72,12 @@ def central(rng: np.random.Generator) -> Draft | None:
     """A hallway along the whole house: the public rooms on one side, open to each other, the private ones on the other."""
     draft = Draft()
     south, hall, north = metres(rng, 4.0, 5.2), metres(rng, 1.35, 1.75), metres(rng, 3.3, 4.6)
-    length = metres(rng, 10.5, 16.0)
+    length = metres(rng, 10.5, 14.5)
     draft.add("hallway", snapped(0.0, south, length, south + hall))
     if not _public_row(rng, draft, 0, snapped(0.0, 0.0, length, south)):
         return None
+    if rng.random() < 0.3:
+        _suite(rng, draft, snapped(length, metres(rng, 0.0, 0.6), length + metres(rng, 3.5, 4.4), south + hall))
     where = strip(0.0, south + hall, length, south + hall + north, "south")
     return draft if fill(rng, draft, where, 0, ("bedroom", "bathroom", "bedroom")) else None
 
@@ -128,12 +134,12 @@ def two_floors(rng: np.random.Generator) -> Draft | None:
     draft = Draft()
     south, hall, north = metres(rng, 3.9, 4.6), metres(rng, 1.45, 1.75), metres(rng, 3.3, 4.3)
     run, landing, gallery = STEPS * TREAD_M, metres(rng, 1.25, 1.5), STAIR_WIDTH_M + RAIL_M
-    length = metres(rng, 9.8, 12.0)
     beside = (True, False) if rng.random() < 0.5 else (False, False) if rng.random() < 0.5 else (True, True)
     y1 = round(south + hall, 2)
     y2, y3 = round(y1 + gallery, 2), round(y1 + north, 2)
     y4 = round(y2 + metres(rng, 3.2, 4.0), 2)
     x2 = round(run + 2 * landing, 2)
+    length = round(x2 + (metres(rng, 2.1, 2.8) if rng.random() < 0.3 else metres(rng, 4.2, 5.6)), 2)
     for floor in (0, 1):
         draft.add("hallway", snapped(0.0, south, length, y1), snapped(0.0, y1, x2, y2), floor=floor)
         if floor == 0 and not _public_row(rng, draft, 0, snapped(0.0, 0.0, length, south), extra=False):

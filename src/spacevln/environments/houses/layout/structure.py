@@ -96,10 +96,11 @@ def hole(house: House, opening: Opening) -> Rect:
 
 def walls(house: House) -> tuple[tuple[WallBox, ...], ...]:
     """Solid boxes of all walls per storey, holes cut out: beside, above and below every opening."""
-    return tuple(tuple(_walls_of(house, floor.index)) for floor in house.floors)
+    return tuple(tuple(walls_of(house, floor.index)) for floor in house.floors)
 
 
-def _walls_of(house: House, floor: int) -> Iterator[WallBox]:
+def walls_of(house: House, floor: int) -> Iterator[WallBox]:
+    """The walls of one storey, as in :func:`walls`."""
     rooms = [room for room in house.rooms if room.floor == floor]
     openings = [opening for opening in house.openings if opening.floor == floor]
     z0, ceiling = house.floors[floor].z_m, house.floors[floor].ceiling_m
