@@ -22,6 +22,7 @@ from spacevln.environments.houses.episodes.episode import (
     resample,
     rounded,
 )
+from spacevln.environments.houses.episodes.grounds import Grounds
 from spacevln.environments.houses.episodes.realise import Text, realise
 from spacevln.environments.houses.episodes.routes import Route, make_route, sample_end, sample_start
 from spacevln.environments.houses.episodes.semantics import consistent_places
@@ -30,7 +31,6 @@ from spacevln.environments.houses.episodes.topology import Topology
 from spacevln.environments.houses.episodes.weights import log_weight
 from spacevln.environments.houses.geodesics import Geodesics
 from spacevln.environments.houses.plan import House
-from spacevln.environments.houses.walkable import Walkable
 
 MAX_AMBIGUITY_M = 3.0
 SHORTEST_M, LONGEST_M = 4.0, 21.0
@@ -51,7 +51,7 @@ class Candidate:
     ambiguity_m: float
 
 
-def route_episode(house: House, seed: int, split: Split = "dev") -> HouseEpisode:
+def route_episode(house: House | Grounds, seed: int, split: Split = "dev") -> HouseEpisode:
     """One route episode of a house.
 
     Args:
@@ -62,14 +62,13 @@ def route_episode(house: House, seed: int, split: Split = "dev") -> HouseEpisode
     Raises:
         NoEpisodeError: no route of this house can be said without ambiguity; take another seed.
     """
-    rng = np.random.default_rng([house.seed, seed, _STREAM[split]])
-    walkable = Walkable(house)
-    topology = Topology(house, walkable)
-    geodesics = Geodesics(walkable)
-    pool = list(candidates(topology, geodesics, split, rng))
+    grounds = house if isinstance(house, Grounds) else Grounds(house)
+    topology = grounds.topology
+    rng = np.random.default_rng([grounds.house.seed, seed, _STREAM[split]])
+    pool = list(candidates(topology, grounds.geodesics, split, rng))
     if not pool:
         raise NoEpisodeError(
-            f"House seed {house.seed} gave no unambiguous route with episode seed {seed} in {_ROUTE_ATTEMPTS} attempts; "
+            f"House seed {grounds.house.seed} gave no unambiguous route with episode seed {seed} in {_ROUTE_ATTEMPTS} attempts; "
             "take another episode seed."
         )
     scores = np.array(
@@ -79,18 +78,19 @@ def route_episode(house: House, seed: int, split: Split = "dev") -> HouseEpisode
     return episode_of(topology, chosen, seed, split)
 
 
-def first_route_episode(house: House, split: Split = "dev") -> HouseEpisode:
+def first_route_episode(house: House | Grounds, split: Split = "dev") -> HouseEpisode:
     """The route episode of a house: of the first seed that yields one.
 
     Raises:
         NoEpisodeError: twelve seeds in a row yield none.
     """
+    grounds = house if isinstance(house, Grounds) else Grounds(house)
     for seed in range(11):
         try:
-            return route_episode(house, seed, split)
+            return route_episode(grounds, seed, split)
         except NoEpisodeError:
             continue
-    return route_episode(house, 11, split)
+    return route_episode(grounds, 11, split)
 
 
 def height(topology: Topology, route: Route) -> float:
