@@ -14,9 +14,9 @@ from spacevln.core import Anchor, CueKind, EgocentricMemory, LandmarkCue, Pose, 
 from spacevln.core.geometry import Float
 from spacevln.language import cue_kind, parse_region
 from spacevln.memory.arrange import arrange
-from spacevln.memory.graph import Edge, WaypointGraph
+from spacevln.memory.graph import REACH_M, Edge, WaypointGraph
 from spacevln.memory.metric import Field, MemoryMap
-from spacevln.memory.regions import SUPPORT_RADIUS_M, Region, Regions
+from spacevln.memory.regions import Region, Regions
 from spacevln.memory.rendering import render_map
 from spacevln.memory.serialize import serialize
 from spacevln.memory.thresholds import Thresholds
@@ -90,12 +90,7 @@ class HierarchicalSpatialMemory:
         if earlier:
             self._connect_chain(earlier[-1], waypoint, field, metric_map.travelled)
         self._walked_until = len(metric_map.travelled)
-        changed = [
-            other.index
-            for other in self._waypoints
-            if other.floor == floor and other.pose.distance_m(pose.x_m, pose.y_m) <= 2 * SUPPORT_RADIUS_M
-        ]
-        self.regions.update(self._waypoints, changed, metric_map, self.thresholds)
+        self.regions.update(self._waypoints, metric_map, self.thresholds)
         return waypoint
 
     def region_at(self, pose: Pose, floor: int) -> Region | None:
@@ -103,10 +98,14 @@ class HierarchicalSpatialMemory:
         return self.regions.at(pose.xy_m, floor, self._waypoints)
 
     def region_neighbours(self, region: Region) -> tuple[Region, ...]:
-        """Regions joined to this one by an edge of the graph."""
+        """Regions joined to this one by a local edge or stairs; a long leg of the chain may cross others."""
         members = set(region.waypoints)
-        labels = {self.regions.of(other).label for index in members for other in self.graph.neighbours(index)}
-        return tuple(other for other in self.regions.all if other.label in labels - {region.label})
+        labels = {
+            self.regions.of(edge.b if edge.a in members else edge.a).label
+            for edge in self.graph.edges
+            if (edge.a in members) != (edge.b in members) and (edge.length_m <= REACH_M or edge.floor_transition)
+        }
+        return tuple(other for other in self.regions.all if other.label in labels)
 
     def egocentric(self, pose: Pose, metric_map: MemoryMap) -> EgocentricMemory:
         """Psi_k = Serialize(Arrange_G(w_k; w_0, w_{k-1}), P_k, mu_k), around the live pose."""
@@ -121,7 +120,7 @@ class HierarchicalSpatialMemory:
             waypoints=arranged,
             chain=self.chain,
             text=serialize(self, pose, floor, arranged, frontiers),
-            map_image=render_map(self, pose, metric_map),
+            map_image=render_map(self, pose, metric_map, [item.waypoint for item in arranged]),
             frontiers=frontiers,
         )
 

@@ -39,7 +39,7 @@ class _Instance:
     weight: float
     confidence: float
     extent_m: float
-    is_passage: bool
+    best_view: tuple[bool, float]  # of an opening: seen with both jambs, nearness
     seen_in: int
     last_image: int
     surface: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
@@ -132,7 +132,7 @@ class LocalLandmarkMemory:
             weight=confidence,
             confidence=confidence,
             extent_m=sighting.extent_m,
-            is_passage=sighting.is_passage,
+            best_view=_view_quality(sighting),
             seen_in=1,
             last_image=self._images,
         )
@@ -140,24 +140,26 @@ class LocalLandmarkMemory:
         return instance
 
     def _absorb(self, instance: _Instance, sighting: Sighting, confidence: float) -> None:
-        """Position weighted by confidence, confidence the best so far (authors' code)."""
-        total = instance.weight + confidence
-        x, y, z = (
-            (old * instance.weight + new * confidence) / total
-            for old, new in zip(instance.position, sighting.position_m, strict=True)
-        )
-        instance.position = (x, y, z)
-        instance.weight = total
+        """Position weighted by confidence, confidence the best so far (authors' code); an opening lies as in its best view."""
+        if self.kind is CueKind.OPENING:
+            if _view_quality(sighting) >= instance.best_view:
+                instance.position, instance.best_view = sighting.position_m, _view_quality(sighting)
+                instance.surface.clear()
+                _add_surface(instance, sighting)
+        else:
+            total = instance.weight + confidence
+            x, y, z = (
+                (old * instance.weight + new * confidence) / total
+                for old, new in zip(instance.position, sighting.position_m, strict=True)
+            )
+            instance.position, instance.weight = (x, y, z), total
+            _add_surface(instance, sighting)
         if confidence > instance.confidence:
             instance.confidence, instance.category = confidence, sighting.category
             instance.attributes = sighting.attributes or instance.attributes
         instance.extent_m = max(instance.extent_m, sighting.extent_m)
-        instance.is_passage = instance.is_passage or sighting.is_passage
         instance.seen_in += 1
         instance.last_image = self._images
-        if self.kind is CueKind.OPENING and sighting.surface_m:
-            instance.surface.clear()  # a threshold is seen whole; the latest and nearest view is the best one
-        _add_surface(instance, sighting)
 
     def _judge(self, instance: _Instance, pose: Pose, metric_map: SpatialMap) -> LandmarkCandidate:
         distance, point = instance.nearest(pose)
@@ -207,6 +209,11 @@ def _rank(candidate: LandmarkCandidate) -> tuple[float, float, int]:
 def _add_surface(instance: _Instance, sighting: Sighting) -> None:
     for x, y in sighting.surface_m or (sighting.position_m[:2],):
         instance.surface.setdefault((math.floor(x / SURFACE_CELL_M), math.floor(y / SURFACE_CELL_M)), (x, y))
+
+
+def _view_quality(sighting: Sighting) -> tuple[bool, float]:
+    """With both jambs in view the threshold is known; from nearby it is known better."""
+    return (sighting.is_passage, -sighting.distance_m)
 
 
 def _duplicate(a: Sighting, b: Sighting) -> bool:

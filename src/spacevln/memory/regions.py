@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.core import Pose, SpatialMap, SpatialWaypoint
+from spacevln.memory.metric import MemoryMap
 from spacevln.memory.thresholds import Threshold, Thresholds, crossing_m
 
 CELL_M = 0.1
@@ -24,6 +25,8 @@ MIN_OVERLAP = 0.1  # of the smaller support
 JOIN_DISTANCE_M = 5.0  # [authors' code]
 _RAYS = 200
 _STEP_M = 0.05
+REFRESH_M = 8.0  # waypoints this near to the newest may see more than before
+_COMPLETE_SHARE = 0.03  # of the rays that may end in the unknown
 _UNKNOWN_GAP_M = 0.3  # a ray may cross this much unseen floor
 
 _ANGLES = np.arange(_RAYS) * (math.tau / _RAYS)
@@ -58,22 +61,38 @@ def cells_of(xy_m: NDArray[np.float64]) -> Cells:
 
 
 def cell_ij(cells: Cells) -> NDArray[np.int64]:
-    """Indices (N, 2) of cell keys."""
-    return np.stack([(cells >> 32) - _OFFSET, (cells & 0xFFFFFFFF) - _OFFSET], axis=1)
+    """Indices i and j of cell keys, shape (2, N)."""
+    return np.stack([(cells >> 32) - _OFFSET, (cells & 0xFFFFFFFF) - _OFFSET])
 
 
-def support(pose: Pose, metric_map: SpatialMap, thresholds: Sequence[Threshold]) -> Cells:
-    """The free floor seen from a pose: keys of 0.1 m cells, sorted."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Support:
+    """The free floor seen from a waypoint.
+
+    Args:
+        cells: keys of its 0.1 m cells, sorted.
+        complete: nothing unseen ended the sight; more exploring will not change it.
+        thresholds: number of thresholds known when it was seen.
+    """
+
+    cells: Cells
+    complete: bool
+    thresholds: int
+
+
+def support(pose: Pose, metric_map: SpatialMap, thresholds: Sequence[Threshold]) -> Support:
+    """What can be seen of the free floor from a pose, as far as walls, thresholds and 3 m."""
     points = pose.xy_m + _RANGES[None, :, None] * _DIRECTIONS[:, None, :]
     flat = points.reshape(-1, 2)
     free = metric_map.is_free(flat).reshape(_RAYS, -1)
-    wall = metric_map.is_obstacle(flat).reshape(_RAYS, -1)
+    wall = metric_map.is_obstacle(flat).reshape(_RAYS, -1) & (_RANGES > 2 * CELL_M)
     seed = _RANGES <= SEED_RADIUS_M
-    wall = wall & (_RANGES > 2 * CELL_M)
-    unknown_m = np.cumsum(~free & ~seed, axis=1) * _STEP_M
-    limit = crossing_m(pose.xy_m, _DIRECTIONS, thresholds)
-    inside = (np.cumsum(wall, axis=1) == 0) & (unknown_m <= _UNKNOWN_GAP_M) & (_RANGES[None] < limit[:, None])
-    return cells_of(points[inside & (free | seed)])
+    near = crossing_m(pose.xy_m, _DIRECTIONS, thresholds)[:, None] > _RANGES
+    sight = near & (np.cumsum(wall, axis=1) == 0)
+    known = np.cumsum(~free & ~seed, axis=1) * _STEP_M <= _UNKNOWN_GAP_M
+    hidden = (sight & ~known).any(axis=1)
+    cells = cells_of(points[sight & known & (free | seed)])
+    return Support(cells, bool(hidden.mean() <= _COMPLETE_SHARE), len(thresholds))
 
 
 class Regions:
@@ -81,7 +100,7 @@ class Regions:
 
     def __init__(self) -> None:
         self.version = 0
-        self._supports: list[Cells] = []
+        self._supports: list[Support] = []
         self._numbers: list[int] = []  # number in the label, by waypoint
         self._joined: dict[tuple[int, int], bool] = {}
         self._regions: tuple[Region, ...] = ()
@@ -98,31 +117,34 @@ class Regions:
 
     def support_of(self, waypoint: int) -> Cells:
         """The cells of a waypoint."""
-        return self._supports[waypoint]
+        return self._supports[waypoint].cells
 
-    def update(
-        self, waypoints: Sequence[SpatialWaypoint], changed: Sequence[int], metric_map: SpatialMap, thresholds: Thresholds
-    ) -> None:
-        """Take in new waypoints, and those whose surroundings changed.
+    def update(self, waypoints: Sequence[SpatialWaypoint], metric_map: MemoryMap, thresholds: Thresholds) -> None:
+        """Take in new waypoints, and look again from those of the current floor that had not seen everything.
 
         Args:
             waypoints: all of them.
-            changed: indices whose support is to be seen anew, new ones included.
-            metric_map: of the current floor; every changed waypoint lies on it.
+            metric_map: of the current floor, on which every new waypoint lies.
             thresholds: seen so far.
         """
-        for index in sorted(changed):
-            waypoint = waypoints[index]
-            cells = support(waypoint.pose, metric_map, thresholds.on(waypoint.floor))
-            if index < len(self._supports):
-                self._supports[index] = cells
+        known = thresholds.on(metric_map.floor)
+        latest = waypoints[-1].pose
+        changed = set()
+        for waypoint in waypoints:
+            new = waypoint.index >= len(self._supports)
+            if not new:
+                old = self._supports[waypoint.index]
+                near = waypoint.pose.distance_m(latest.x_m, latest.y_m) <= REFRESH_M
+                if waypoint.floor != metric_map.floor or not near or (old.complete and old.thresholds == len(known)):
+                    continue
+            seen = support(waypoint.pose, metric_map, known)
+            changed.add(waypoint.index)
+            if new:
+                self._supports.append(seen)
             else:
-                self._supports.append(cells)
-        moved = set(changed)
-        for a, b in _near_pairs(waypoints):
-            if a in moved or b in moved or (a, b) not in self._joined:
-                self._joined[a, b] = self._agree(waypoints[a], waypoints[b], metric_map, thresholds)
-        self._rebuild(waypoints)
+                self._supports[waypoint.index] = seen
+        self._joined = {pair: joined for pair, joined in self._joined.items() if not changed.intersection(pair)}
+        self._rebuild(waypoints, metric_map, thresholds)
         self.version += 1
 
     def at(self, xy_m: NDArray[np.float64], floor: int, waypoints: Sequence[SpatialWaypoint]) -> Region | None:
@@ -130,7 +152,7 @@ class Regions:
         key = cells_of(np.asarray(xy_m, np.float64)[None])[0]
         best: tuple[float, int] | None = None
         for waypoint in waypoints:
-            cells = self._supports[waypoint.index]
+            cells = self._supports[waypoint.index].cells
             slot = np.searchsorted(cells, key)
             if waypoint.floor == floor and slot < len(cells) and cells[slot] == key:
                 candidate = (waypoint.pose.distance_m(float(xy_m[0]), float(xy_m[1])), waypoint.index)
@@ -141,14 +163,15 @@ class Regions:
         """Whether two waypoints of one type stand in one space."""
         if thresholds.between(a.floor, a.pose.xy_m, b.pose.xy_m):
             return False
-        one, two = self._supports[a.index], self._supports[b.index]
+        one, two = self._supports[a.index].cells, self._supports[b.index].cells
         shared = len(np.intersect1d(one, two, assume_unique=True))
         if shared >= MIN_OVERLAP * min(len(one), len(two)):
             return True
         near = a.pose.distance_m(b.pose.x_m, b.pose.y_m) <= JOIN_DISTANCE_M
         return near and metric_map.line_of_sight(a.pose.xy_m, b.pose.xy_m)
 
-    def _rebuild(self, waypoints: Sequence[SpatialWaypoint]) -> None:
+    def _rebuild(self, waypoints: Sequence[SpatialWaypoint], metric_map: MemoryMap, thresholds: Thresholds) -> None:
+        """Join what agrees, near pairs first; pairs that are joined already need no look."""
         parent = list(range(len(waypoints)))
 
         def root(index: int) -> int:
@@ -156,9 +179,15 @@ class Regions:
                 index = parent[index]
             return index
 
-        for (a, b), joined in sorted(self._joined.items()):
-            if joined:
-                low, high = sorted((root(a), root(b)))
+        for a, b in _near_pairs(waypoints):
+            low, high = sorted((root(a), root(b)))
+            if low == high:
+                continue
+            if (a, b) not in self._joined:
+                if waypoints[a].floor != metric_map.floor:
+                    continue
+                self._joined[a, b] = self._agree(waypoints[a], waypoints[b], metric_map, thresholds)
+            if self._joined[a, b]:
                 parent[high] = low
         groups: dict[int, list[int]] = {}
         for index in range(len(waypoints)):
@@ -187,11 +216,14 @@ class Regions:
 
 
 def _near_pairs(waypoints: Sequence[SpatialWaypoint]) -> list[tuple[int, int]]:
-    """Pairs of one type and floor whose supports could touch."""
-    pairs = []
-    for b in waypoints:
-        for a in waypoints[: b.index]:
-            same = a.region == b.region and a.floor == b.floor
-            if same and a.pose.distance_m(b.pose.x_m, b.pose.y_m) <= 2 * SUPPORT_RADIUS_M:
-                pairs.append((a.index, b.index))
-    return pairs
+    """Pairs of one type and floor whose supports could touch, nearest first."""
+    groups: dict[tuple[str, int], list[int]] = {}
+    for waypoint in waypoints:
+        groups.setdefault((waypoint.region, waypoint.floor), []).append(waypoint.index)
+    pairs: list[tuple[float, int, int]] = []
+    for _, members in sorted(groups.items()):
+        xy = np.array([[waypoints[index].pose.x_m, waypoints[index].pose.y_m] for index in members])
+        gaps = np.hypot(xy[:, None, 0] - xy[None, :, 0], xy[:, None, 1] - xy[None, :, 1])
+        near_a, near_b = np.nonzero(np.triu(gaps <= 2 * SUPPORT_RADIUS_M, 1))
+        pairs.extend((float(gaps[a, b]), members[a], members[b]) for a, b in zip(near_a, near_b, strict=True))
+    return [(a, b) for _, a, b in sorted(pairs)]

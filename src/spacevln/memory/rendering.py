@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from spacevln.core import Pose
+from spacevln.core import Pose, SpatialWaypoint
 from spacevln.core.geometry import Float
 from spacevln.memory.metric import MemoryMap
 from spacevln.memory.regions import CELL_M, Region, cell_ij
@@ -26,6 +28,7 @@ WINDOW_M = (8.0, 24.0)  # side of the drawn square: what is known, within these 
 MARGIN_M = 0.6
 
 Colour = tuple[int, int, int]
+_Box = tuple[float, float, float, float]
 _UNKNOWN: Colour = (238, 239, 243)
 _FREE: Colour = (214, 232, 208)
 _OBSTACLE: Colour = (38, 42, 54)
@@ -35,8 +38,8 @@ _THRESHOLD: Colour = (201, 123, 30)
 _INK: Colour = (28, 32, 44)
 _FRAME: Colour = (120, 126, 140)
 _REGIONS: tuple[Colour, ...] = (
-    (166, 206, 240), (250, 205, 160), (190, 226, 170), (244, 184, 200), (205, 190, 236),
-    (248, 232, 150), (160, 222, 218), (226, 196, 168), (196, 208, 222), (232, 178, 232),
+    (166, 206, 240), (250, 205, 160), (186, 172, 232), (244, 184, 200), (160, 222, 218),
+    (248, 232, 150), (226, 190, 160), (190, 200, 222), (236, 176, 232), (240, 160, 150),
 )  # fmt: skip
 
 
@@ -60,25 +63,36 @@ class _Frame:
         return np.stack([SIZE_PX / 2 - left * self.scale, SIZE_PX / 2 - ahead * self.scale], axis=1)
 
 
-def render_map(memory: HierarchicalSpatialMemory, pose: Pose, metric_map: MemoryMap) -> NDArray[np.uint8]:
-    """Draw mu_k for the current floor, shape (480, 440, 3) RGB; the lowest 40 rows are the legend."""
+def render_map(
+    memory: HierarchicalSpatialMemory, pose: Pose, metric_map: MemoryMap, shown: Sequence[SpatialWaypoint]
+) -> NDArray[np.uint8]:
+    """Draw mu_k for the current floor, shape (480, 440, 3) RGB; the lowest 40 rows are the legend.
+
+    Args:
+        memory: regions and thresholds.
+        pose: in the middle, looking up.
+        metric_map: what is explored, free, an obstacle, and the walked way.
+        shown: the waypoints that get a mark with their number (overlapping ones already merged).
+    """
     crop = metric_map.crop(pose.xy_m, WINDOW_M[1], pose.yaw_rad)
     frame = _Frame(pose, _window(crop.explored))
     floor = metric_map.floor
-    canvas = np.empty((SIZE_PX, SIZE_PX, 3), np.uint8)
-    canvas[:] = _UNKNOWN
-    free = _zoomed(crop.free, frame.window_m)
-    _blend(canvas, free, np.array(_FREE, np.float32))
     labels = _region_labels(memory, frame, floor)
-    _blend(canvas, free * (labels > 0), _palette(len(memory.regions.all))[labels])
-    _blend(canvas, _zoomed(crop.obstacle, frame.window_m), np.array(_OBSTACLE, np.float32))
+    canvas = _paint(
+        _zoomed(crop.free, frame.window_m),
+        _zoomed(crop.obstacle, frame.window_m),
+        labels,
+        _palette(len(memory.regions.all)),
+        np.array(_UNKNOWN, np.float32),
+        np.array(_OBSTACLE, np.float32),
+    )
     _draw_ways(canvas, memory, metric_map.travelled, frame, floor)
     picture = Image.new("RGB", (SIZE_PX, SIZE_PX + LEGEND_PX))
     picture.paste(Image.fromarray(canvas))
     picture.paste(_legend(), (0, SIZE_PX))
     draw = ImageDraw.Draw(picture)
-    _draw_region_names(draw, memory, labels)
-    _draw_waypoints(draw, memory, frame, floor)
+    taken = _draw_waypoints(draw, [waypoint for waypoint in shown if waypoint.floor == floor], frame)
+    _draw_region_names(draw, memory, labels, taken)
     _draw_border(draw, frame)
     return np.array(picture)
 
@@ -105,11 +119,25 @@ def _zoomed(mask: NDArray[np.bool_], window_m: float) -> NDArray[np.float32]:
     return np.asarray(np.clip((soft - 0.5) * sharpness + 0.5, 0.0, 1.0), np.float32)
 
 
-def _blend(canvas: NDArray[np.uint8], opacity: NDArray[np.float32], colour: NDArray[np.float32]) -> None:
-    where = np.nonzero(opacity > 0)
-    a = opacity[where][:, None]
-    paint = colour if colour.ndim == 1 else colour[where]
-    canvas[where] = (canvas[where] * (1 - a) + paint * a + 0.5).astype(np.uint8)
+@njit(cache=True)
+def _paint(
+    free: NDArray[np.float32],
+    obstacle: NDArray[np.float32],
+    labels: NDArray[np.uint8],
+    palette: NDArray[np.float32],
+    unknown: NDArray[np.float32],
+    solid: NDArray[np.float32],
+) -> NDArray[np.uint8]:  # pragma: no cover - compiled
+    """Lay floor, in the colour of its region, and obstacles over the unknown; opacities from 0 to 1."""
+    height, width = free.shape
+    canvas = np.empty((height, width, 3), np.uint8)
+    for v in range(height):
+        for u in range(width):
+            a, o = free[v, u], obstacle[v, u]
+            for channel in range(3):
+                value = unknown[channel] * (1 - a) + palette[labels[v, u], channel] * a
+                canvas[v, u, channel] = np.uint8(value * (1 - o) + solid[channel] * o + np.float32(0.5))
+    return canvas
 
 
 def _palette(count: int) -> NDArray[np.float32]:
@@ -131,7 +159,7 @@ def _region_labels(memory: HierarchicalSpatialMemory, frame: _Frame, floor: int)
     to_source = np.array([[along_y[0], along_y[1], y0], [along_x[0], along_x[1], x0]])
     flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
     labels = cv2.warpAffine(owner, to_source, (SIZE_PX, SIZE_PX), flags=flags, borderMode=cv2.BORDER_CONSTANT, borderValue=0)
-    return np.asarray(cv2.medianBlur(labels, 7), np.uint8)
+    return np.asarray(cv2.medianBlur(labels, 5), np.uint8)
 
 
 def region_raster(memory: HierarchicalSpatialMemory, floor: int) -> tuple[NDArray[np.uint8], int, int] | None:
@@ -139,18 +167,39 @@ def region_raster(memory: HierarchicalSpatialMemory, floor: int) -> tuple[NDArra
     members = [waypoint for waypoint in memory.waypoints if waypoint.floor == floor]
     if not members:
         return None
-    cells = [cell_ij(memory.regions.support_of(waypoint.index)) for waypoint in members]
-    i0, j0 = np.min([part.min(axis=0) for part in cells], axis=0)
-    shape = np.max([part.max(axis=0) for part in cells], axis=0) - (i0, j0) + 1
-    owner, nearest = np.zeros(shape, np.uint8), np.full(shape, np.inf, np.float32)
+    parts = [memory.regions.support_of(waypoint.index) for waypoint in members]
+    ij = cell_ij(np.concatenate(parts))
+    (i0, j0), (height, width) = ij.min(axis=1), ij.max(axis=1) - ij.min(axis=1) + 1
     order = {region.label: index + 1 for index, region in enumerate(memory.regions.all)}
-    for waypoint, part in zip(members, cells, strict=True):
-        i, j = (part - (i0, j0)).T
-        gap = np.hypot((part[:, 0] + 0.5) * CELL_M - waypoint.pose.x_m, (part[:, 1] + 0.5) * CELL_M - waypoint.pose.y_m)
-        closer = gap < nearest[i, j]
-        nearest[i[closer], j[closer]] = gap[closer]
-        owner[i[closer], j[closer]] = min(order[memory.regions.of(waypoint.index).label], 255)
-    return owner, int(i0), int(j0)
+    labels = np.array([min(order[memory.regions.of(waypoint.index).label], 255) for waypoint in members], np.uint8)
+    seats = np.array([[waypoint.pose.x_m, waypoint.pose.y_m] for waypoint in members]) / CELL_M - (i0 + 0.5, j0 + 0.5)
+    ends = np.cumsum([len(part) for part in parts])
+    return _own(ij[0] - i0, ij[1] - j0, ends, seats, labels, int(height), int(width)), int(i0), int(j0)
+
+
+@njit(cache=True)
+def _own(
+    i_of: NDArray[np.int64],
+    j_of: NDArray[np.int64],
+    ends: NDArray[np.int64],
+    seats: Float,
+    labels: NDArray[np.uint8],
+    height: int,
+    width: int,
+) -> NDArray[np.uint8]:  # pragma: no cover - compiled
+    """Give each cell to the nearest of the waypoints that see it; those of waypoint w end before ``ends[w]``."""
+    owner = np.zeros((height, width), np.uint8)
+    nearest = np.full((height, width), np.inf, np.float32)
+    first = 0
+    for w in range(len(ends)):
+        for k in range(first, ends[w]):
+            i, j = i_of[k], j_of[k]
+            gap = np.float32((i - seats[w, 0]) ** 2 + (j - seats[w, 1]) ** 2)
+            if gap < nearest[i, j]:
+                nearest[i, j] = gap
+                owner[i, j] = labels[w]
+        first = ends[w]
+    return owner
 
 
 def _draw_ways(canvas: NDArray[np.uint8], memory: HierarchicalSpatialMemory, travelled: Float, frame: _Frame, floor: int) -> None:
@@ -174,23 +223,23 @@ def _draw_agent(canvas: NDArray[np.uint8]) -> None:
         cv2.fillPoly(canvas, [corners], colour, cv2.LINE_AA, 3)
 
 
-def _draw_region_names(draw: ImageDraw.ImageDraw, memory: HierarchicalSpatialMemory, labels: NDArray[np.uint8]) -> None:
-    taken: list[tuple[float, float, float, float]] = [(SIZE_PX / 2 - 14, SIZE_PX / 2 - 18, SIZE_PX / 2 + 14, SIZE_PX / 2 + 14)]
-    for index, region in enumerate(memory.regions.all):
-        rows, columns = np.nonzero(labels == index + 1)
-        if len(rows) < 150:
-            continue
-        _draw_tag(draw, region, float(np.median(columns)), float(np.median(rows)), taken, _REGIONS[index % len(_REGIONS)])
-
-
-def _draw_tag(
-    draw: ImageDraw.ImageDraw, region: Region, u: float, v: float, taken: list[tuple[float, float, float, float]], colour: Colour
+def _draw_region_names(
+    draw: ImageDraw.ImageDraw, memory: HierarchicalSpatialMemory, labels: NDArray[np.uint8], taken: list[_Box]
 ) -> None:
-    """A name on its region, moved up or down until it covers no other."""
+    coarse = labels[::4, ::4]
+    for index, region in enumerate(memory.regions.all):
+        rows, columns = np.nonzero(coarse == index + 1)
+        if len(rows) < 12:
+            continue
+        _draw_tag(draw, region, float(np.median(columns)) * 4, float(np.median(rows)) * 4, taken, _REGIONS[index % len(_REGIONS)])
+
+
+def _draw_tag(draw: ImageDraw.ImageDraw, region: Region, u: float, v: float, taken: list[_Box], colour: Colour) -> None:
+    """A name on its region, moved up or down until it covers nothing else, if possible."""
     font = _font(13)
     width = draw.textlength(region.label, font) + 10
     u = min(max(u, width / 2 + 2), SIZE_PX - width / 2 - 2)
-    for shift in (0, -20, 20, -40, 40, -60, 60):
+    for shift in (0, -12, 12, -24, 24, -36, 36, -48, 48, 0):
         box = (u - width / 2, v + shift - 9, u + width / 2, v + shift + 9)
         inside = box[1] >= 2 and box[3] <= SIZE_PX - 2
         if inside and all(box[2] < t[0] or t[2] < box[0] or box[3] < t[1] or t[3] < box[1] for t in taken):
@@ -201,16 +250,21 @@ def _draw_tag(
     draw.text(((box[0] + box[2]) / 2, (box[1] + box[3]) / 2), region.label, (255, 255, 255), font, anchor="mm")
 
 
-def _draw_waypoints(draw: ImageDraw.ImageDraw, memory: HierarchicalSpatialMemory, frame: _Frame, floor: int) -> None:
-    font = _font(10)
-    for waypoint in memory.waypoints:
-        u, v = frame.pixels(waypoint.pose.xy_m)[0]
-        if waypoint.floor != floor or not (8 < u < SIZE_PX - 8 and 8 < v < SIZE_PX - 8):
-            continue
-        if math.hypot(u - SIZE_PX / 2, v - SIZE_PX / 2) < 14:
-            continue  # under the agent
+def _draw_waypoints(draw: ImageDraw.ImageDraw, shown: Sequence[SpatialWaypoint], frame: _Frame) -> list[_Box]:
+    """Numbered rings; returns the boxes they and the agent cover."""
+    font, middle = _font(10), SIZE_PX / 2
+    taken = [(middle - 14, middle - 18, middle + 14, middle + 14)]
+    if not shown:
+        return taken
+    at = frame.pixels(np.array([[waypoint.pose.x_m, waypoint.pose.y_m] for waypoint in shown]))
+    for waypoint, (u, v) in zip(shown, at.tolist(), strict=True):
+        inside = 8 < u < SIZE_PX - 8 and 8 < v < SIZE_PX - 8
+        if not inside or math.hypot(u - middle, v - middle) < 14:
+            continue  # outside, or under the agent
         draw.ellipse((u - 7, v - 7, u + 7, v + 7), fill=(255, 255, 255), outline=_WALKED, width=2)
         draw.text((u, v), str(waypoint.index), _INK, font, anchor="mm")
+        taken.append((u - 7, v - 7, u + 7, v + 7))
+    return taken
 
 
 def _draw_border(draw: ImageDraw.ImageDraw, frame: _Frame) -> None:

@@ -84,14 +84,16 @@ def _region_entry(memory: HierarchicalSpatialMemory, region: Region, several: bo
 
 
 def _chain(memory: HierarchicalSpatialMemory, pose: Pose, floor: int) -> str:
-    """Every visit in order, with the turn and the distance of each leg, to the live pose."""
+    """Every visit in order, with the turn and the distance of each leg, to the live pose; a space is named when it changes."""
     waypoints = memory.waypoints
-    text = ""
+    text = told = ""
     for index in memory.chain:
         waypoint = waypoints[index]
         if index:
             text += _leg(waypoints[index - 1].pose, waypoint.pose, waypoints[index - 1].floor, waypoint.floor)
-        text += f"w{index} {memory.regions.of(index).label}"
+        region = memory.regions.of(index).label
+        text += f"w{index}" if region == told else f"w{index} {region}"
+        told = region
     last = waypoints[memory.chain[-1]]
     if last.pose.distance_m(pose.x_m, pose.y_m) >= HERE_M or last.floor != floor:
         text += _leg(last.pose, pose, last.floor, floor) + "here"

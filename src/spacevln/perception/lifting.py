@@ -74,8 +74,9 @@ def _lift_opening(observation: Observation, detection: Detection) -> Sighting | 
     inner = profile[side:-side]
     beyond = float(np.median(np.where(np.isfinite(inner), inner, np.inf)))
     is_passage = len(ends) == 2 and beyond > depths.max() + PASSAGE_DEPTH_M
+    pixels = detection.mask.sum() if detection.mask is not None else np.isfinite(profile).sum()
     threshold = jambs[:1] + np.linspace(0.0, 1.0, SURFACE_POINTS)[:, None] * (jambs[-1:] - jambs[:1])
-    return _sighting(observation, detection, jambs.mean(axis=0), threshold, int(np.isfinite(profile).sum()), is_passage)
+    return _sighting(observation, detection, jambs.mean(axis=0), threshold, int(pixels), is_passage)
 
 
 def _sighting(
