@@ -146,7 +146,7 @@ def test_culling_leaves_out_the_other_room_behind_the_wall(drawable):
     views = visibility.rooms_in_view(2.0, 2.0, 0.88, 0.0, math.radians(39.5))
     assert views[1][0] == pytest.approx(-math.atan(0.45 / 2.06))
     drum = int(np.flatnonzero(drawable.geom_instance == two_rooms.DRUM)[0])
-    assert not visibility.visible(0.5, 3.6, 0.88, 0.0, math.radians(39.5))[drum]
+    assert not visibility.visible(0.5, 0.4, 0.88, 0.0, math.radians(39.5))[drum]
 
 
 def test_without_a_library_rays_are_cast_and_it_is_said_once(monkeypatch, caplog, drawable):

@@ -71,7 +71,7 @@ def renderer_info(wish: str = "auto") -> RendererInfo:
 
 @functools.cache
 def _say_once(info: RendererInfo) -> None:
-    _log.warning("%s Pictures are 320x240 without textures and take longer; to mend it: %s", info.reason, info.install)
+    _log.warning("%s Pictures are 320x240; to mend it: %s", info.reason, info.install)
 
 
 def make_renderer(info: RendererInfo, drawable: Drawable, width_px: int, height_px: int) -> Renderer:

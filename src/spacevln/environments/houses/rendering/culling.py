@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.core.geometry import Float, wrap_angle
+from spacevln.core.sensing import Camera
 from spacevln.environments.houses.plan import House, Opening, Rect, Room, Stairs
+from spacevln.environments.houses.rendering.protocol import Drawable
 
 _MARGIN_M = 0.05
 _MAX_DEPTH = 12
@@ -69,8 +71,25 @@ class Visibility:
         for k, stairs in enumerate(house.stairs, start=len(house.rooms)):
             self._add_well(k, stairs)
         self._lower, self._upper = lower, upper
+        self._centre = (lower + upper) / 2
         self._member = np.stack([self._overlapping(space) for space in self._spaces], axis=1)
         self._everywhere = ~self._member.any(axis=1)
+
+    @classmethod
+    def of(cls, drawable: Drawable) -> Visibility:
+        """Of a compiled house."""
+        return cls(drawable.house, *geom_bounds(drawable.model))
+
+    def near_first(self, T_world_camera: Float, camera: Camera) -> NDArray[np.int64]:
+        """The geoms that may be in the image, near ones first."""
+        x, y, z = (float(v) for v in T_world_camera[:3, 3])
+        forward = T_world_camera[:3, 0]
+        half_fov = math.atan(max(camera.cx_px, camera.width_px - camera.cx_px) / camera.fx_px)
+        if abs(float(forward[2])) > 1e-6:  # a tilted camera sees to all sides of its feet
+            half_fov = math.pi
+        shown = np.flatnonzero(self.visible(x, y, z, math.atan2(forward[1], forward[0]), half_fov))
+        distance = np.linalg.norm(self._centre[shown] - (x, y, z), axis=1)
+        return shown[np.argsort(distance, kind="stable")]
 
     def _add_opening(self, opening: Opening) -> None:
         if opening.rooms[1] is None:

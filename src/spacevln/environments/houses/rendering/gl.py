@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import atexit
 import ctypes
-import math
 import os
 from types import ModuleType
 from typing import Any
@@ -15,14 +14,13 @@ from numpy.typing import NDArray
 from spacevln.core.errors import EnvironmentFailure, PrerequisiteError, UsageError
 from spacevln.core.geometry import Float
 from spacevln.core.sensing import Camera
-from spacevln.environments.houses.rendering.culling import Visibility, geom_bounds
+from spacevln.environments.houses.rendering.culling import Visibility
 from spacevln.environments.houses.rendering.probe import INSTALL_HINT, Backend
 from spacevln.environments.houses.rendering.protocol import NEAR_M, RANGE_M, Drawable, Frame
-from spacevln.environments.houses.rendering.shaders import ATTRIBUTES, FRAGMENT_SHADER, OUTPUTS, VERTEX_SHADER
+from spacevln.environments.houses.rendering.shaders import ATTRIBUTES, FRAGMENT_SHADER, OUTPUTS, SKY, VERTEX_SHADER
 from spacevln.environments.houses.rendering.triangles import LAYER_PX, VERTEX, triangles_of
 
 _FAR_M = 60.0
-_SKY = (0.78, 0.86, 0.93, 1.0)
 
 
 class _Context:
@@ -127,12 +125,9 @@ class GLRenderer:
         self._context.make_current()
         self._size = (height_px, width_px)
         soup = triangles_of(drawable.model, drawable.geom_instance)
-        lower, upper = geom_bounds(drawable.model)
-        self._centre = (lower + upper) / 2
-        self._visibility = Visibility(drawable.house, lower, upper)
+        self._visibility = Visibility.of(drawable)
         self._count, self._offset = soup.count, soup.first.astype(np.uint64) * 4
         self._transparent = soup.transparent
-        self._drawn = soup.count > 0
         self._upload(self._context.gl, soup)
         self._make_target(self._context.gl)
         _renderers.append(self)
@@ -196,7 +191,7 @@ class GLRenderer:
         self._context.make_current()
         gl = self._context.gl
         self._begin(gl, self._context.program, T_world_camera, camera)
-        self._draw(gl, self._shown(T_world_camera, camera))
+        self._draw(gl, self._visibility.near_first(T_world_camera, camera))
         return self._read(gl)
 
     def _begin(self, gl: Any, program: int, T_world_camera: Float, camera: Camera) -> None:
@@ -215,22 +210,10 @@ class GLRenderer:
         gl.glUniform3f(gl.glGetUniformLocation(program, "eye"), *(float(v) for v in T_world_camera[:3, 3]))
         gl.glUniform3f(gl.glGetUniformLocation(program, "axis"), *(float(v) for v in T_world_camera[:3, 0]))
         gl.glUniform1f(gl.glGetUniformLocation(program, "range"), RANGE_M)
-        gl.glClearBufferfv(gl.GL_COLOR, 0, np.array(_SKY, np.float32))
+        gl.glClearBufferfv(gl.GL_COLOR, 0, np.array(SKY, np.float32))
         gl.glClearBufferfv(gl.GL_COLOR, 1, np.zeros(4, np.float32))
         gl.glClearBufferiv(gl.GL_COLOR, 2, np.zeros(4, np.int32))
         gl.glClearBufferfv(gl.GL_DEPTH, 0, np.ones(1, np.float32))
-
-    def _shown(self, T_world_camera: Float, camera: Camera) -> NDArray[np.int64]:
-        """The geoms that may be in the image, near ones first."""
-        x, y, z = (float(v) for v in T_world_camera[:3, 3])
-        forward = T_world_camera[:3, 0]
-        half_fov = math.atan(max(camera.cx_px, camera.width_px - camera.cx_px) / camera.fx_px)
-        if abs(float(forward[2])) > 1e-6:  # a tilted camera sees to all sides of its feet
-            half_fov = math.pi
-        visible = self._visibility.visible(x, y, z, math.atan2(forward[1], forward[0]), half_fov)
-        shown = np.flatnonzero(visible & self._drawn)
-        distance = np.linalg.norm(self._centre[shown] - (x, y, z), axis=1)
-        return shown[np.argsort(distance, kind="stable")]
 
     def _draw(self, gl: Any, shown: NDArray[np.int64]) -> None:
         """Opaque geoms from near to far, then transparent ones from far to near over them."""

@@ -3,6 +3,7 @@
 A soft sky from above, a weak sun from one side, and a lamp at the camera; all per pixel. GLSL 1.30 (OpenGL 3.0) is enough.
 """
 
+SKY = (0.78, 0.86, 0.93, 1.0)
 ATTRIBUTES = ("position", "normal", "uv", "rgba", "marks", "instance")
 OUTPUTS = ("out_rgb", "out_depth", "out_instance")
 
