@@ -10,7 +10,7 @@ from spacevln.agent.look_around import Panorama
 from spacevln.agent.settings import AgentSettings
 from spacevln.agent.world import World
 from spacevln.control import EpisodeGate, FinishClaim, GateVerdict, StableFinalArrival, inside_final_region
-from spacevln.control.anchors import same_anchor
+from spacevln.control.anchors import same_anchor, same_space
 from spacevln.core import Anchor, EpisodeStatus, Event, Feedback, GateAsked, LandmarkPool, Pose, StageEnd, StopReason, Subtask
 
 
@@ -42,19 +42,20 @@ class FinishJudge:
         """Too few steps are left for a look-around and STOP: the gate once more, on what the last stage brought.
 
         Without the planner's word the agent is located at the final anchor when the last stage headed for it and ended by
-        arrival or by the executor's STOP.
+        arrival or by the executor's STOP. The map's region is older than that stage, so it can support the claim only.
         """
         forced = Ending(EpisodeStatus.STEP_LIMIT, StopReason.BUDGET, f"{body.budget.left} steps left, too few to look around")
         if feedback is None or not feedback.subtask.targets_final_anchor:
             return forced
         subtask = feedback.subtask
         located = feedback.end in (StageEnd.ARRIVAL, StageEnd.STOP)
+        region = self._world.locate(body.pose)[1]
         verdict = self._gate.judge(
             FinishClaim(
                 chain=subtask.chain,
                 located_index=len(subtask.chain) - 1 if located else subtask.current_index,
                 verified_before=subtask.current_index,
-                place=self._world.locate(body.pose)[1],
+                place=region if same_space(region, subtask.final_anchor.space) else "",
                 pool=feedback.pool,
                 arrived=feedback.end is StageEnd.ARRIVAL,
             )

@@ -78,8 +78,9 @@ class World:
 
     def locate(self, pose: Pose) -> tuple[int, str]:
         """Current floor, and region type of the map region that holds the pose; ``""`` when none is known."""
-        region = self.memory.hierarchical.region_at(pose, self.map.floor) if self._components.hsm else None
-        return self.map.floor, region.type if region else ""
+        memory = self.memory.hierarchical
+        region = memory.region_at(pose, self.map.floor) if self._components.hsm else None
+        return self.map.floor, memory.waypoints[region.waypoints[0]].region if region else ""
 
     def begin_stage(self, subtask: Subtask, pose: Pose) -> tuple[str, ...]:
         """L^(k)_0 and B^(k)_0 are empty; the terms that the detector grounds in this stage, Norm(ell_k)."""

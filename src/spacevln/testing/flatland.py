@@ -34,6 +34,7 @@ Float = NDArray[np.float64]
 
 BODY_RADIUS_M = 0.1
 CEILING_M = 2.5
+REACH_M = 50.0  # farther there is no measurement
 _LINTEL_M = 2.0
 
 
@@ -216,16 +217,17 @@ class Flatland:
         camera = self._spec.camera
         lateral = (camera.cx_px - np.arange(camera.width_px) - 0.5) / camera.fx_px  # left positive
         rise: Float = ((camera.cy_px - np.arange(camera.height_px, dtype=np.float64) - 0.5) / camera.fy_px)[:, None]
+        rise[rise == 0.0] = 1e-12  # a level ray is not divided by zero
         c, s = math.cos(self._pose.yaw_rad), math.sin(self._pose.yaw_rad)
         ray = np.stack([c - s * lateral, s + c * lateral])  # per unit of depth
-        with np.errstate(divide="ignore"):
-            depth = np.where(rise > 0, (CEILING_M - camera.height_m) / rise, -camera.height_m / rise)
+        depth = np.where(rise > 0, (CEILING_M - camera.height_m) / rise, -camera.height_m / rise)
         depth = np.broadcast_to(depth, (camera.height_px, camera.width_px)).copy()
         hit = np.broadcast_to((rise < 0).astype(np.intp), depth.shape).copy()
         for index, box in enumerate(self.boxes):
             met = self._meet(box, ray, rise)
             nearer = met < depth
             depth[nearer], hit[nearer] = met[nearer], 2 + index
+        depth[depth > REACH_M] = 0.0
         return depth, hit
 
     def _meet(self, box: Box, ray: Float, rise: Float) -> Float:

@@ -1,0 +1,140 @@
+"""Typed endings, budget exactness, interruption, determinism."""
+
+from __future__ import annotations
+
+import inspect
+import signal
+import time
+
+import pytest
+from flat_runs import CHAIN, Breaking, ahead, by_feedback, run
+
+from spacevln.agent import AgentSettings, NavigationAgent, loop
+from spacevln.core import (
+    EnvironmentFailure,
+    EpisodeEnded,
+    EpisodeSpec,
+    EpisodeStatus,
+    Event,
+    InstructionTask,
+    MapSaved,
+    MoveForward,
+    PlannerContext,
+    Pose,
+    SafetyStop,
+    StepTaken,
+    Stop,
+    StopReason,
+    Subtask,
+    TurnLeft,
+)
+from spacevln.perception import LabelDetector
+from spacevln.testing.flatland import Flatland
+from spacevln.testing.scripted import EventList, ScriptedExecutor, ScriptedPlanner, subtask_of
+
+
+def to_the_side(context: PlannerContext) -> Subtask:
+    """Away from the front, where there is room."""
+    side = max(context.views[1:], key=lambda view: view.obstacle_m)
+    return subtask_of(CHAIN, 0, side.label)
+
+
+@pytest.mark.parametrize("limit", [1, 2, 12, 13, 14, 15, 17, 25, 26, 27, 40])
+def test_never_more_steps_than_the_budget_and_the_last_one_is_stop(limit: int) -> None:
+    done = run([to_the_side], [TurnLeft(), MoveForward(0.5), ahead], AgentSettings(step_limit=limit))
+    steps = done.events(StepTaken)
+    assert len(steps) == done.result.steps <= limit
+    assert steps[-1].action == Stop()
+    assert (done.result.status, done.result.stop_reason) == (EpisodeStatus.STEP_LIMIT, StopReason.BUDGET)
+    assert done.result.stop_reason.forced
+    assert done.result.stopped
+
+
+def test_the_gate_is_asked_once_more_when_no_look_around_is_left() -> None:
+    enough = run()
+    short = run(settings=AgentSettings(step_limit=enough.result.steps - 1))
+    assert short.result.status is EpisodeStatus.STOPPED
+    assert short.result.stop_reason is StopReason.GATE
+    assert len(short.result.subtasks) == 2
+    assert short.result.steps == enough.result.steps - 12
+
+
+@pytest.mark.parametrize("at", [1, 7, 13, 16])
+@pytest.mark.parametrize(
+    ("error", "status", "reason"),
+    [
+        (EnvironmentFailure("the simulator died"), EpisodeStatus.ENVIRONMENT_FAILURE, StopReason.ENVIRONMENT),
+        (SafetyStop("a person is near"), EpisodeStatus.SAFETY, StopReason.SAFETY),
+        (KeyboardInterrupt(), EpisodeStatus.INTERRUPTED, StopReason.INTERRUPT),
+    ],
+)
+def test_what_breaks_in_the_environment_ends_typed(
+    error: BaseException, status: EpisodeStatus, reason: StopReason, at: int
+) -> None:
+    done = run(environment=Breaking(error, at))
+    assert (done.result.status, done.result.stop_reason, done.result.stopped) == (status, reason, False)
+    assert done.result.steps == at - 1
+    assert done.result.detail
+    assert done.sink.names()[-2:] == ["MapSaved", "EpisodeEnded"]
+
+
+def test_a_stop_that_fails_is_no_stop() -> None:
+    steps = run().result.steps
+    done = run(environment=Breaking(EnvironmentFailure("dead"), steps))
+    assert done.result.status is EpisodeStatus.ENVIRONMENT_FAILURE
+    assert not done.result.stopped
+
+
+def interrupt(_: object) -> Stop:
+    signal.raise_signal(signal.SIGINT)  # Ctrl-C
+    return Stop()
+
+
+@pytest.mark.parametrize("who", ["planner", "executor"])
+def test_an_interrupt_ends_at_once_with_everything_told(who: str) -> None:
+    begin = time.perf_counter()
+    done = run([interrupt]) if who == "planner" else run(executor=[interrupt])  # type: ignore[list-item]
+    assert time.perf_counter() - begin < 2
+    assert done.result.status is EpisodeStatus.INTERRUPTED
+    assert len(done.events(EpisodeEnded)) == len(done.events(MapSaved)) == 1
+    assert done.result.steps == 12
+
+
+def told(events: list[Event]) -> list[str]:
+    """Everything of a run that can differ, images included, as text."""
+    lines = []
+    for event in events:
+        parts = [type(event).__name__]
+        for name in event.__slots__:
+            value = getattr(event, name)
+            if name == "observation" and value is not None:
+                value = (value.rgb.tobytes(), value.depth_m.tobytes(), value.pose)
+            elif name == "views":
+                value = [(view.label, view.rgb.tobytes(), view.obstacle_m, view.sightings) for view in value]
+            elif name == "memory" and value is not None:
+                value = (value.text, value.map_image.tobytes(), value.frontiers)
+            elif name == "floors":
+                value = [(floor.cells.tobytes(), floor.regions.tobytes()) for floor in value]
+            parts.append(f"{name}={value!r}")
+        lines.append(" ".join(parts))
+    return lines
+
+
+def test_two_runs_tell_the_same_events() -> None:
+    assert told(run(queries=("sofa", "bed")).sink.events) == told(run(queries=("sofa", "bed")).sink.events)
+
+
+def test_one_agent_runs_episode_after_episode_alike() -> None:
+    sink = EventList()
+    agent = NavigationAgent(
+        Flatland(), LabelDetector(), ScriptedPlanner([by_feedback]), ScriptedExecutor([ahead]), None, [sink], lambda: 0.0
+    )
+    spec = EpisodeSpec("e", "flatland", Pose(0, 0), InstructionTask("Go."))
+    results = [agent.run(spec) for _ in range(2)]
+    assert results[0].steps == results[1].steps
+    half = len(sink.events) // 2
+    assert told(sink.events[:half]) == told(sink.events[half:])
+
+
+def test_the_loop_fits_beside_the_paper() -> None:
+    assert len(inspect.getsource(loop).splitlines()) < 150
