@@ -27,7 +27,7 @@ def cli() -> None:
     spacevln run                         watch an agent follow an instruction through a furnished house
     spacevln bench houses-vln            measure it on many houses
     spacevln doctor                      what is installed, what is missing, and the command that mends it
-    """
+    """  # noqa: D301 - click reads the backspace as "keep these lines"
 
 
 cli.add_command(run)

@@ -13,23 +13,26 @@ if TYPE_CHECKING:
     from spacevln.recording import ResultFile
 
 
-class SeedRange(click.ParamType):
-    """``A:B``, half open."""
-
-    name = "A:B"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
-        """Parse ``A:B``."""
-        first, colon, last = str(value).partition(":")
-        if not (colon and first.isdigit() and last.isdigit() and int(first) < int(last)):
-            self.fail(f"{value!r} is no range of seeds: give A:B with 0 <= A < B, e.g. 0:100.", param, ctx)
-        return int(first), int(last)
+def _seed_range(_context: click.Context, _parameter: click.Parameter, value: str | None) -> tuple[int, int] | None:
+    """Parse ``A:B``, half open."""
+    if value is None:
+        return None
+    first, colon, last = value.partition(":")
+    if not (colon and first.isdigit() and last.isdigit() and int(first) < int(last)):
+        raise click.BadParameter(f"{value!r} is no range of seeds: give A:B with 0 <= A < B, e.g. 0:100.")
+    return int(first), int(last)
 
 
 @click.command()
 @click.argument("suite")
 @click.option("--split", type=click.Choice(["test", "dev"]), default="test", show_default=True)
-@click.option("--seeds", type=SeedRange(), default=None, help="One fresh episode of each house seed A..B-1 instead of the split.")
+@click.option(
+    "--seeds",
+    callback=_seed_range,
+    metavar="A:B",
+    default=None,
+    help="One fresh episode of each house seed A..B-1 instead of the split.",
+)
 @click.option("--episodes", type=click.IntRange(min=1), default=None, help="Only the first so many.")
 @click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
 @click.option("--level", type=click.Choice(["light", "full"]), default="light", show_default=True, help="How much is recorded.")
@@ -45,11 +48,11 @@ def bench(
     **options: Any,
 ) -> int:
     """Run SUITE (houses-vln or houses-objectnav); the same command on the same --out resumes."""
-    from spacevln.cli.output import describe_run, prepare  # noqa: PLC0415 - heavy
-    from spacevln.evaluation.datasets import Selection  # noqa: PLC0415 - heavy
-    from spacevln.evaluation.runner import Job, claim_directory  # noqa: PLC0415 - heavy
-    from spacevln.evaluation.runner import bench as run_suite  # noqa: PLC0415 - heavy
-    from spacevln.recording import RecordLevel  # noqa: PLC0415 - heavy
+    from spacevln.cli.output import describe_run, prepare
+    from spacevln.evaluation.datasets import Selection
+    from spacevln.evaluation.runner import Job, claim_directory
+    from spacevln.evaluation.runner import bench as run_suite
+    from spacevln.recording import RecordLevel
 
     configuration = configuration_from(options)
     selection = Selection.model_validate({"suite": suite, "split": split, "seeds": seeds, "episodes": episodes})
@@ -72,7 +75,7 @@ class _Progress:
     """A bar with the success so far and the time left; plain lines where there is no terminal."""
 
     def __init__(self, total: int) -> None:
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
         self.results: list[ResultFile] = []
         self._bar = Progress(
@@ -95,7 +98,7 @@ class _Progress:
 
 
 def _table(metrics: dict[str, float | None], results: list[ResultFile]) -> str:
-    from spacevln.evaluation.summary import bootstrap_interval  # noqa: PLC0415 - heavy
+    from spacevln.evaluation.summary import bootstrap_interval
 
     lines = []
     for name, unit in (("SR", "%"), ("SPL", "%"), ("OSR", "%"), ("nDTW", "%"), ("NE", "m"), ("steps", ""), ("stages", "")):

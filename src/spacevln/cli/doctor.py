@@ -17,7 +17,10 @@ from spacevln import __version__
 from spacevln.core import PrerequisiteError, UsageError
 
 BASE = ("mujoco", "numba", "numpy", "opencv-python-headless", "pydantic", "scipy")
-EXTRAS = (("gymnasium", "gym", "the Gymnasium environment spacevln/Houses-v0"),)
+EXTRAS = (
+    ("gymnasium", "gym", "the Gymnasium environment spacevln/Houses-v0"),
+    ("trimesh", "export", "writing houses as .glb files"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +55,7 @@ def _packages() -> Iterator[Finding]:
 
 
 def _renderer() -> Iterator[Finding]:
-    from spacevln.environments.houses.rendering import renderer_info  # noqa: PLC0415 - heavy
+    from spacevln.environments.houses.rendering import renderer_info
 
     try:
         info = renderer_info()

@@ -20,8 +20,12 @@ def agent_options(command: F) -> F:
             click.option("--planner", type=click.Choice(["rules"]), default="rules", show_default=True, help="Who reasons."),
             click.option("--without", multiple=True, type=click.Choice(COMPONENTS), help="Switch a component off (ablation)."),
             click.option("--renderer", type=click.Choice(["auto", "gl", "raycast"]), default="auto", show_default=True),
-            click.option("--sliding/--no-sliding", default=True, show_default=True, help="Slide along obstacles, as VLN-CE does."),
-            click.option("--miss-rate", type=click.FloatRange(0, 1), default=0.0, help="Share of instances the detector overlooks."),
+            click.option(
+                "--sliding/--no-sliding", default=True, show_default=True, help="Slide along obstacles, as VLN-CE does."
+            ),
+            click.option(
+                "--miss-rate", type=click.FloatRange(0, 1), default=0.0, help="Share of instances the detector overlooks."
+            ),
             click.option("--confusion-rate", type=click.FloatRange(0, 1), default=0.0, help="Share it calls by a similar name."),
             click.option("--steps", type=click.IntRange(min=1), default=None, help="Step budget, STOP included."),
             click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=None, help="Run directory."),
@@ -33,7 +37,7 @@ def agent_options(command: F) -> F:
 
 def configuration_from(options: dict[str, Any]) -> Any:
     """The configuration that these options say."""
-    from spacevln.assembly import (  # noqa: PLC0415 - heavy
+    from spacevln.assembly import (
         ComponentSettings,
         Configuration,
         HousesSettings,

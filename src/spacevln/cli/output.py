@@ -28,7 +28,9 @@ def prepare(directory: Path | None) -> Path:
     try:
         chosen.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UsageError(f"--out {str(chosen)!r} cannot be made ({error.strerror}): give a directory that you may write.") from error
+        raise UsageError(
+            f"--out {str(chosen)!r} cannot be made ({error.strerror}): give a directory that you may write."
+        ) from error
     if not os.access(chosen, os.W_OK):
         raise UsageError(f"--out {str(chosen)!r} cannot be written: give a directory that you may write.")
     return chosen

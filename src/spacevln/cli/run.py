@@ -16,7 +16,9 @@ MAX_INSTRUCTION_CHARS = 4000
 
 
 @click.command()
-@click.option("--task", type=click.Choice(["vln", "objectnav"]), default="vln", show_default=True, help="Follow a route, or find an object.")
+@click.option(
+    "--task", type=click.Choice(["vln", "objectnav"]), default="vln", show_default=True, help="Follow a route, or find an object."
+)
 @click.option("--seed", type=click.IntRange(0, 999_999), default=7, show_default=True, help="Which house.")
 @click.option("--instruction", default=None, help="Your own route instruction; it has no truth, so its metrics are null.")
 @click.option("--goal", default=None, help="Your own goal object, e.g. 'teapot' (with --task objectnav).")
@@ -27,13 +29,13 @@ def run(task: str, seed: int, instruction: str | None, goal: str | None, out: Pa
     Ends with one line of truth, the record's path, and a picture from above.
     """
     _check(task, instruction, goal)
-    from spacevln.cli.output import describe_run, prepare  # noqa: PLC0415 - heavy
-    from spacevln.cli.progress import EpisodeProgress  # noqa: PLC0415 - heavy
-    from spacevln.evaluation.attempt import Session  # noqa: PLC0415 - heavy
-    from spacevln.evaluation.houses import pick_episode  # noqa: PLC0415 - heavy
-    from spacevln.evaluation.runner import claim_directory, finished  # noqa: PLC0415 - heavy
-    from spacevln.evaluation.summary import summarise  # noqa: PLC0415 - heavy
-    from spacevln.recording import episode_directory, write_file  # noqa: PLC0415 - heavy
+    from spacevln.cli.output import describe_run, prepare
+    from spacevln.cli.progress import EpisodeProgress
+    from spacevln.evaluation.attempt import Session
+    from spacevln.evaluation.houses import pick_episode
+    from spacevln.evaluation.runner import claim_directory, finished
+    from spacevln.evaluation.summary import summarise
+    from spacevln.recording import episode_directory, write_file
 
     configuration = configuration_from(options)
     directory = prepare(out)

@@ -92,7 +92,7 @@ class Selection(BaseModel):
             raise UsageError(f"Seeds {first}:{last} name no house: give A:B with 0 <= A < B.")
         if self.episodes is not None and self.episodes < 1:
             raise UsageError(f"{self.episodes} episodes were asked for: give at least 1.")
-        from spacevln.evaluation.houses import house_episode, house_episode_id  # noqa: PLC0415 - compiles kernels
+        from spacevln.evaluation.houses import house_episode, house_episode_id
 
         ids = [house_episode_id(self.suite, seed) for seed in range(first, last)][: self.episodes]
         return EpisodeSequence(ids, house_episode)
@@ -111,7 +111,9 @@ def load(name: str, path: Path | None = None, *, split: Literal["test", "dev"] =
         UsageError: the suite or a filter is unknown, or the selection is empty.
     """
     if path is not None:
-        raise UsageError(f"Suite {name!r} is made by the program and reads no data, but path={str(path)!r} was given: leave it out.")
+        raise UsageError(
+            f"Suite {name!r} is made by the program and reads no data, but path={str(path)!r} was given: leave it out."
+        )
     unknown = sorted(set(filters) - set(Selection.model_fields))
     if unknown:
         raise UnknownNameError("filter", unknown[0], sorted(set(Selection.model_fields) - {"suite", "split"}))

@@ -119,6 +119,7 @@ class SubtaskIssuedLine(Record):
     subtask: Subtask
     thought: PlannerThought
     seconds: float
+    revision: str
 
 
 class WaypointAddedLine(Record):
@@ -192,7 +193,7 @@ class GateAskedLine(Record):
 
 
 class FloorMapLine(Record):
-    """One floor of the final map; ``image`` is a PNG: red channel cells (0 unknown, 1 free, 2 obstacle), green channel regions."""
+    """One floor of the final map; ``image`` is a PNG: red = cells (0 unknown, 1 free, 2 obstacle), green = regions."""
 
     floor: int
     resolution_m: float

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from enum import StrEnum
 from pathlib import Path
-from typing import TextIO
+from typing import Literal, TextIO
 
 import cv2
 import numpy as np
@@ -48,7 +48,7 @@ JPEG_QUALITY = {RecordLevel.FULL: 90, RecordLevel.LIGHT: 70}
 PNG_COMPRESSION = 1  # depth and maps are written while the agent waits; size matters less than time
 
 
-def task_fields(task: Task) -> tuple[str, str]:
+def task_fields(task: Task) -> tuple[Literal["vln", "objectnav"], str]:
     """The (kind, text) pair under which a task is recorded."""
     return ("vln", task.instruction) if isinstance(task, InstructionTask) else ("objectnav", task.goal)
 
@@ -113,8 +113,10 @@ class EpisodeRecorder:
                 )
             case ReplyRefused(stage=stage, role=role, kind=kind, reason=reason):
                 return schema.ReplyRefusedLine(time_s=t, stage=stage, role=role, kind=kind, reason=reason)
-            case SubtaskIssued(stage=stage, subtask=subtask, thought=thought, seconds=seconds):
-                return schema.SubtaskIssuedLine(time_s=t, stage=stage, subtask=subtask, thought=thought, seconds=seconds)
+            case SubtaskIssued(stage=stage, subtask=subtask, thought=thought, seconds=seconds, revision=revision):
+                return schema.SubtaskIssuedLine(
+                    time_s=t, stage=stage, subtask=subtask, thought=thought, seconds=seconds, revision=revision
+                )
             case WaypointAdded(stage=stage, waypoint=waypoint):
                 return schema.WaypointAddedLine(time_s=t, stage=stage, waypoint=waypoint)
             case DecisionMade():

@@ -1,0 +1,92 @@
+"""``spacevln houses``: look at the embedded houses, list what is in them, export them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from spacevln.core import UsageError
+
+if TYPE_CHECKING:
+    from spacevln.environments.houses.plan import House, Rect, Room
+
+SEED = click.option("--seed", type=click.IntRange(0, 999_999), default=7, show_default=True, help="Which house.")
+THUMB_PX = (400, 300)
+COLUMNS = 3
+
+
+@click.group()
+def houses() -> None:
+    """Look at the embedded houses, list what is in them, export them."""
+
+
+@houses.command()
+@SEED
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), default=None, help="PNG file.")
+def render(seed: int, out: Path | None) -> None:
+    """Write a sheet with a view into every room."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    from spacevln.environments.houses.house import build_house
+    from spacevln.environments.houses.tour import room_views
+
+    views = list(room_views(build_house(seed)))
+    width, height = THUMB_PX
+    rows = -(-len(views) // COLUMNS)
+    sheet = Image.new("RGB", (COLUMNS * width, rows * (height + 24)), "white")
+    draw = ImageDraw.Draw(sheet)
+    for index, view in enumerate(views):
+        x, y = index % COLUMNS * width, index // COLUMNS * (height + 24)
+        sheet.paste(Image.fromarray(view.observation.rgb).resize(THUMB_PX), (x, y + 24))
+        draw.text((x + 6, y + 4), f"{view.room.type}, floor {view.room.floor + 1}", fill="black", font=ImageFont.load_default(14))
+    path = out or Path(f"house-{seed:06d}.png")
+    try:
+        sheet.save(path)
+    except OSError as error:
+        raise UsageError(f"--out {str(path)!r} cannot be written ({error.strerror}): give a file that you may write.") from error
+    click.echo(path)
+
+
+@houses.command()
+@SEED
+def describe(seed: int) -> None:
+    """List floors, rooms, doors and things."""
+    from spacevln.environments.houses.house import build_house
+
+    house = build_house(seed)
+    kinds = Counter(opening.kind for opening in house.openings)
+    openings = ", ".join(f"{count} {kind}s" for kind, count in sorted(kinds.items()))
+    click.echo(f"{house.name}: {len(house.floors)} floor(s), {len(house.rooms)} rooms, {openings}, {len(house.items)} things")
+    for room in house.rooms:
+        click.echo(f"  {room.type}, floor {room.floor + 1}, {room.area:.1f} m2, to {', '.join(_neighbours(house, room))}")
+        things = [" ".join((*item.attributes, item.category)) for item in house.items if item.room == room.id]
+        click.echo(f"    {', '.join(things)}")
+
+
+def _neighbours(house: House, room: Room) -> list[str]:
+    names = {each.id: each.type for each in house.rooms}
+    found = []
+    for opening in house.openings:
+        if opening.kind != "window" and room.id in opening.rooms:
+            other = next((each for each in opening.rooms if each != room.id), None)
+            found.append(f"{names[other]} ({opening.kind})" if other is not None else opening.kind)
+    storeys = [(stairs.rect, stairs.lower_floor) for stairs in house.stairs]
+    return found + ["stairs" for rect, lower in storeys if room.floor in (lower, lower + 1) and _touches(rect, room)]
+
+
+def _touches(rect: Rect, room: Room) -> bool:
+    return any(r.x0 <= rect.x1 and rect.x0 <= r.x1 and r.y0 <= rect.y1 and rect.y0 <= r.y1 for r in room.rects)
+
+
+@houses.command()
+@SEED
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), default=None, help=".glb file.")
+def export(seed: int, out: Path | None) -> None:
+    """Write the furnished house as a glTF file (.glb)."""
+    from spacevln.environments.houses.export import export_glb
+    from spacevln.environments.houses.house import build_house
+
+    click.echo(export_glb(build_house(seed), out or Path(f"house-{seed:06d}.glb")))
