@@ -19,6 +19,7 @@ OPENING_DEPTH_M = 0.5
 LANDING_DEPTH_M = 0.9
 _REACHED_SHARE = 0.7
 _SMALLEST_M2 = 0.3
+_TOUCH_M = 0.02
 
 Footprint = Rect | NDArray[np.float64]
 """An axis-aligned rectangle, or the corners (4, 2) of an oriented one, in order around it."""
@@ -62,7 +63,7 @@ class PlacementGuard:
         return tuple(self._keep[room_id])
 
     def try_add(self, footprints: Footprint | Sequence[Footprint], room_id: int) -> bool:
-        """Put solid things down together if the room stays usable; else nothing changes.
+        """Put solid things down together if they lie in the room and it stays usable; else nothing changes.
 
         Args:
             footprints: of one thing or of several that belong together (a table and its chairs).
@@ -74,6 +75,8 @@ class PlacementGuard:
         if any(_overlap(shape, zone) for shape in shapes for zone in keep):
             return False
         room = self._house.rooms[room_id]
+        if not all(room.contains(x, y, -_TOUCH_M) for shape in shapes for x, y in _corners(shape)):
+            return False
         space = self._spaces[room.floor]
         i0, j0, window = self._window(space, room)
         trial = window.copy()
@@ -132,6 +135,12 @@ def _oriented(shape: Footprint) -> tuple[float, float, float, float, float, floa
     width, depth = math.dist(a, b), math.dist(b, c)
     x, y = (a + c) / 2
     return float(x), float(y), float(b[0] - a[0]) / width, float(b[1] - a[1]) / width, width / 2, depth / 2
+
+
+def _corners(shape: NDArray[np.float64]) -> list[tuple[float, float]]:
+    """Corners of an oriented box."""
+    x, y, c, s, hx, hy = shape.tolist()
+    return [(x + c * u - s * v, y + s * u + c * v) for u in (-hx, hx) for v in (-hy, hy)]
 
 
 def _overlap(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:

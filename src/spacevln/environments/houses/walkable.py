@@ -19,6 +19,7 @@ RESOLUTION_M = 0.05
 CAP_M = 0.6
 """Clearances are known up to this distance."""
 _MARGIN_M = 0.4
+_OFF_GROUND_M = 0.6
 _SMALLEST_STANDING_M2 = 0.15
 
 Float = NDArray[np.float64]
@@ -144,9 +145,12 @@ class Walkable:
         return self.floors[self.floor_index(x, y, z)]
 
     def clearance_m(self, x: float, y: float, z: float) -> float:
-        """Exact distance to the nearest obstacle, at most CAP_M; 0 outdoors."""
+        """Exact distance to the nearest obstacle, at most CAP_M; 0 outdoors and in the air over stairs."""
         space = self.space_at(x, y, z)
-        if self.stairs_at(x, y, z) is None and not any(rect.contains(x, y) for rect in self._regions(space.index)):
+        if self.stairs_at(x, y, z) is not None:
+            if abs(self.floor_height_m(x, y, z) - z) > _OFF_GROUND_M:
+                return 0.0
+        elif not any(rect.contains(x, y) for rect in self._regions(space.index)):
             return 0.0
         return float(clearance(x, y, space.boxes, space.discs, CAP_M))
 
@@ -158,7 +162,7 @@ class Walkable:
         """
         if not 0.0 <= radius <= CAP_M:
             raise UsageError(f"A radius of {radius} m cannot be checked: give one from 0 to {CAP_M} m.")
-        return self.clearance_m(x, y, z) >= radius - 1e-9 and self.clearance_m(x, y, z) > 0.0
+        return self.clearance_m(x, y, z) >= max(radius - 1e-9, 1e-9)
 
     def components(self, radius_m: float) -> list[NDArray[np.int32]]:
         """Per storey the number (from 1) of the connected free region of every cell; flights join regions of two storeys."""
