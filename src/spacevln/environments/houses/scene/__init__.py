@@ -1,0 +1,163 @@
+"""From a house to a MuJoCo model: few geoms, because everything of one look within an item or a room is one mesh."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from spacevln.environments.houses.furniture.mesh import Triangles
+from spacevln.environments.houses.materials import Material, texture
+from spacevln.environments.houses.plan import House
+from spacevln.environments.houses.scene.openings import opening_pieces
+from spacevln.environments.houses.scene.pieces import Piece, item_pieces
+from spacevln.environments.houses.scene.structure import slab_pieces, stair_pieces, wall_pieces
+
+_AMBIENT = 0.44
+_HEADLIGHT = 0.2
+_LIGHTS = (((0.45, 0.25, -1.0), 0.34), ((-0.6, -0.9, -0.25), 0.16), ((0.9, -0.5, 0.1), 0.1), ((0.1, 0.2, 1.0), 0.42))
+"""Directions and strengths: from above, two weak ones that tell walls apart, and one from below for the ceilings."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CompiledScene:
+    """A house as a MuJoCo model of static geoms.
+
+    Args:
+        model: geom k draws ``pieces[k]``.
+        geom_instance: (ngeom,) int32, instance id of every geom, 0 = structure.
+        geom_room: (ngeom,) int32, id of the room that a geom is in, -1 = between or outside rooms.
+        geom_rgb: (ngeom, 3) float32 0 to 1, its mean colour (for renderers without textures).
+        pieces: the triangles and materials, for export.
+    """
+
+    model: mujoco.MjModel
+    geom_instance: NDArray[np.int32]
+    geom_room: NDArray[np.int32]
+    geom_rgb: NDArray[np.float32]
+    pieces: tuple[Piece, ...]
+
+
+def scene_pieces(house: House) -> tuple[Piece, ...]:
+    """Everything that is drawn of a house, in a fixed order."""
+    pieces = [*wall_pieces(house), *slab_pieces(house), *stair_pieces(house)]
+    for opening in house.openings:
+        pieces += opening_pieces(house, opening)
+    for item in house.items:
+        pieces += item_pieces(item)
+    return tuple(pieces)
+
+
+def compile_scene(house: House) -> CompiledScene:
+    """Compile a furnished house.
+
+    Args:
+        house: with ``styles`` for every room.
+    """
+    pieces = scene_pieces(house)
+    spec = mujoco.MjSpec()
+    _settings(spec)
+    meshes: dict[object, str] = {}
+    materials: dict[str, str] = {}
+    textures: set[str] = set()
+    for index, piece in enumerate(pieces):
+        stuff = piece.stuff
+        if stuff.draw not in materials:
+            _add_material(spec, stuff, textures)
+            materials[stuff.draw] = stuff.draw
+        shape = piece.shape if piece.shape is not None else index
+        if shape not in meshes:
+            meshes[shape] = f"mesh{index}"
+            _add_mesh(spec, meshes[shape], piece.triangles)
+        half = piece.yaw_rad / 2
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=meshes[shape],
+            material=stuff.draw,
+            pos=piece.position_m,
+            quat=(math.cos(half), 0.0, 0.0, math.sin(half)),
+            contype=0,
+            conaffinity=0,
+        )
+    model = spec.compile()
+    return CompiledScene(
+        model,
+        np.array([piece.instance for piece in pieces], np.int32),
+        np.array([-1 if piece.room is None else piece.room for piece in pieces], np.int32),
+        np.array([mean_rgb(piece) for piece in pieces], np.float32).reshape(-1, 3),
+        pieces,
+    )
+
+
+def _settings(spec: mujoco.MjSpec) -> None:
+    spec.visual.quality.offsamples = 0
+    spec.visual.quality.shadowsize = 0
+    spec.visual.headlight.ambient[:] = _AMBIENT
+    spec.visual.headlight.diffuse[:] = _HEADLIGHT
+    spec.visual.headlight.specular[:] = 0.1
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=(0.52, 0.72, 0.93),
+        rgb2=(0.86, 0.93, 0.97),
+        width=64,
+        height=384,
+    )
+    for direction, strength in _LIGHTS:
+        spec.worldbody.add_light(
+            type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+            dir=direction,
+            diffuse=(strength, strength, strength),
+            ambient=(0.0, 0.0, 0.0),
+            specular=(0.05, 0.05, 0.05),
+            castshadow=False,
+        )
+
+
+def _add_material(spec: mujoco.MjSpec, stuff: Material, textures: set[str]) -> None:
+    if stuff.texture not in textures:
+        textures.add(stuff.texture)
+        image = texture(stuff.texture)
+        made = spec.add_texture(
+            name=stuff.texture, type=mujoco.mjtTexture.mjTEXTURE_2D, width=image.shape[1], height=image.shape[0], nchannel=3
+        )
+        # MuJoCo's first row is at v = 0, the bottom
+        made.data = np.ascontiguousarray(image[::-1]).tobytes()
+    made_material = spec.add_material(
+        name=stuff.draw,
+        rgba=(*stuff.rgb, 1.0),
+        specular=stuff.specular,
+        shininess=stuff.shininess,
+        emission=stuff.emission,
+        reflectance=0.0,
+    )
+    made_material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = stuff.texture
+
+
+def _add_mesh(spec: mujoco.MjSpec, name: str, triangles: Triangles) -> None:
+    faces = triangles.faces.ravel()
+    mesh = spec.add_mesh(name=name, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
+    mesh.uservert = triangles.points.ravel()
+    mesh.usernormal = triangles.normals.ravel()
+    mesh.usertexcoord = triangles.uv.ravel()
+    mesh.userface = faces
+    mesh.userfacenormal = faces
+    mesh.userfacetexcoord = faces
+
+
+def mean_rgb(piece: Piece) -> NDArray[np.float64]:
+    """(3,) the mean colour of a piece by area, 0 to 1."""
+    stuff, triangles = piece.stuff, piece.triangles
+    image = texture(stuff.texture)
+    if stuff.palette_uv is None:
+        return image.reshape(-1, 3).mean(axis=0) / 255 * np.array(stuff.rgb)
+    corners = triangles.points[triangles.faces]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    uv = triangles.uv[triangles.faces[:, 0]]
+    height, width = image.shape[:2]
+    pixels = image[((1 - uv[:, 1]) * height).astype(int), (uv[:, 0] * width).astype(int)]
+    return np.asarray((pixels * area[:, None]).sum(axis=0) / max(float(area.sum()), 1e-12) / 255)
