@@ -56,14 +56,15 @@ def _local_shapes(item: Item, floor_z_m: float) -> tuple[list[tuple[float, ...]]
     discs: list[tuple[float, ...]] = []
     base = item.z - floor_z_m
     for part in item.parts:
-        (px, py, pz), (hx, hy, hz) = part.position, _half_extents(part, item)
+        (px, py, pz), (hx, hy, hz) = part.position, _half_extents(part)
         if base + pz - hz >= CLEAR_M or base + pz + hz <= STEP_M:
             continue
         upright = part.euler_rad[0] == 0.0 == part.euler_rad[1] and part.shape in ("cylinder", "ellipsoid", "capsule")
-        if upright and abs(part.size[0] - hx) < 1e-9 and abs(hx - hy) < 1e-9:
+        fits = abs(px) + hx <= item.size[0] / 2 + 1e-9 and abs(py) + hy <= item.size[1] / 2 + 1e-9
+        if upright and fits and abs(hx - hy) < 1e-9:
             discs.append((px, py, hx))
         else:
-            rects.append((px, py, hx, hy))
+            rects += _clipped(px, py, hx, hy, item)
     kept = [r for k, r in enumerate(rects) if not any(_within(r, q, k > m) for m, q in enumerate(rects) if m != k)]
     round_kept = [d for d in discs if not any(_within((d[0], d[1], d[2], d[2]), q, True) for q in kept)]
     return kept, round_kept
@@ -75,11 +76,15 @@ def _within(a: tuple[float, ...], b: tuple[float, ...], ties: bool) -> bool:
     return inside and (ties or a != b)
 
 
-def _half_extents(part: Part, item: Item) -> tuple[float, float, float]:
-    """Half extents of the part's bounding box along the item's axes; a mesh counts as the whole item."""
-    if part.shape == "mesh":
-        x, y, z = part.position
-        return item.size[0] / 2 + abs(x), item.size[1] / 2 + abs(y), item.size[2] + abs(z)
+def _clipped(x: float, y: float, hx: float, hy: float, item: Item) -> list[tuple[float, ...]]:
+    """A rectangle cut to the item's footprint: a cushion that bulges over it by centimetres is soft."""
+    w, d = item.size[0] / 2, item.size[1] / 2
+    x0, x1, y0, y1 = max(x - hx, -w), min(x + hx, w), max(y - hy, -d), min(y + hy, d)
+    return [((x0 + x1) / 2, (y0 + y1) / 2, (x1 - x0) / 2, (y1 - y0) / 2)] if x0 < x1 and y0 < y1 else []
+
+
+def _half_extents(part: Part) -> tuple[float, float, float]:
+    """Half extents of the part's bounding box along the item's axes; meshes lie within a unit box that ``size`` scales."""
     a, b, c = part.size
     half = np.array({"cylinder": (a, a, b), "capsule": (a, a, a + b)}.get(part.shape, (a, b, c)))
     if part.euler_rad != (0.0, 0.0, 0.0):

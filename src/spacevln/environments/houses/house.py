@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 import re
-from collections.abc import Callable
 from functools import lru_cache
 
 from spacevln.core.errors import UsageError
+from spacevln.environments.houses.furniture import furnish
 from spacevln.environments.houses.layout import generate_layout
 from spacevln.environments.houses.plan import House
 
@@ -23,11 +22,7 @@ def build_house(seed: int) -> House:
     """
     if seed < 0:
         raise UsageError(f"House seed {seed} is negative: give a whole number from 0 on.")
-    house = generate_layout(seed)
-    furnish: Callable[[House], House] | None = getattr(
-        importlib.import_module("spacevln.environments.houses.furniture"), "furnish", None
-    )
-    return house if furnish is None else furnish(house)
+    return furnish(generate_layout(seed))
 
 
 def parse_scene_name(name: str) -> int:
