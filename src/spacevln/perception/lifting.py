@@ -25,7 +25,7 @@ NEAREST_PERCENTILE = 5.0
 SURFACE_POINTS = 8
 PASSAGE_DEPTH_M = 0.4  # depth beyond the jambs that makes an opening a passage [ours]
 
-_DIRECTIONS = np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(6) * math.pi / 6])
+_DIRECTIONS = np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(8) * math.pi / 8])
 
 
 def lift(observation: Observation, detections: Sequence[Detection]) -> tuple[Sighting, ...]:
@@ -86,7 +86,7 @@ def _sighting(
     xy = points[:, :2]
     ranges = np.hypot(*(xy - eye).T)
     spans = np.sort(xy @ _DIRECTIONS.T, axis=0)
-    trim = len(xy) // 20
+    trim = len(xy) // 40
     extent = float((spans[len(xy) - 1 - trim] - spans[trim]).max())
     nearest = float(np.sort(ranges)[int(len(ranges) * NEAREST_PERCENTILE / 100)])
     surface = xy if len(xy) <= SURFACE_POINTS else _nearest_by_direction(xy, eye, ranges)
