@@ -149,4 +149,4 @@ def _grounds(seed: int) -> Grounds:
 
 def _tags(episode: HouseEpisode) -> dict[str, str | float | int | bool]:
     tags = asdict(episode.tags)
-    return {**tags, "clauses": " ".join(tags["clauses"])}
+    return {name: " ".join(map(str, value)) if isinstance(value, tuple) else value for name, value in tags.items()}

@@ -116,20 +116,20 @@ def _panel(directory: Path, story: _Story, floor: FloorMapLine) -> Image.Image:
     channels = np.asarray(raw, dtype=np.uint8)
     cells, regions = channels[..., 2], channels[..., 1]
     on_floor = _on_floor(story, floor)
-    rows, columns = _window(cells, floor, on_floor)
-    colours = _colour(cells[rows, columns], regions[rows, columns])
+    low, high = _window(cells, floor, on_floor)
+    cells, regions = _crop(cells, low, high), _crop(regions, low, high)
     pixels = round(floor.resolution_m * SCALE_PX_PER_M)
-    picture = np.repeat(np.repeat(colours[::-1], pixels, axis=0), pixels, axis=1)
+    picture = np.repeat(np.repeat(_colour(cells, regions)[::-1], pixels, axis=0), pixels, axis=1)
     image = Image.fromarray(picture)
     draw = ImageDraw.Draw(image)
-    left = floor.origin_m[0] + columns.start * floor.resolution_m
-    top = floor.origin_m[1] + rows.stop * floor.resolution_m
+    left = floor.origin_m[0] + low[1] * floor.resolution_m
+    top = floor.origin_m[1] + high[0] * floor.resolution_m
     scale = pixels / floor.resolution_m
 
     def to_px(points: NDArray[np.float64]) -> list[tuple[float, float]]:
         return [((x - left) * scale, (top - y) * scale) for x, y in points[:, :2]]
 
-    _draw_regions(draw, floor, regions[rows, columns][::-1], pixels)
+    _draw_regions(draw, floor, regions[::-1], pixels)
     _draw_paths(draw, to_px, on_floor)
     if len(story.floors) > 1:
         draw.text((8, 6), f"floor {floor.floor + 1}", fill=SOFT, font=_font(16))
@@ -167,16 +167,23 @@ def _runs(points: NDArray[np.float64], z: float) -> list[NDArray[np.float64]]:
     return [piece for piece, flag in zip(np.split(points, cuts), np.split(near, cuts), strict=True) if len(flag) and flag[0]]
 
 
-def _window(cells: NDArray[np.uint8], floor: FloorMapLine, on_floor: _OnFloor) -> tuple[slice, slice]:
-    """The part of the map worth showing: everything known and every path."""
+def _window(cells: NDArray[np.uint8], floor: FloorMapLine, on_floor: _OnFloor) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The rectangle of cells worth showing, possibly beyond the map: everything known and every path; (low, high) as ij."""
     known = np.argwhere(cells > 0)
     points = on_floor.points
     ij = (points[:, 1::-1] - np.array(floor.origin_m)[::-1]) / floor.resolution_m
-    corners = np.vstack([known, ij]) if len(known) else ij
+    corners = np.vstack([known, ij])
     margin = MARGIN_M / floor.resolution_m
-    low = np.maximum(np.floor(corners.min(axis=0) - margin), 0).astype(int)
-    high = np.minimum(np.ceil(corners.max(axis=0) + margin), cells.shape).astype(int)
-    return slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1]))
+    return np.floor(corners.min(axis=0) - margin).astype(np.int64), np.ceil(corners.max(axis=0) + margin).astype(np.int64)
+
+
+def _crop(grid: NDArray[np.uint8], low: NDArray[np.int64], high: NDArray[np.int64]) -> NDArray[np.uint8]:
+    """A rectangle of a grid, 0 beyond its border."""
+    crop = np.zeros(high - low, dtype=np.uint8)
+    first, last = np.maximum(low, 0), np.minimum(high, grid.shape)
+    (i0, j0), (i1, j1) = first - low, last - low
+    crop[i0:i1, j0:j1] = grid[first[0] : last[0], first[1] : last[1]]
+    return crop
 
 
 def _colour(cells: NDArray[np.uint8], regions: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -16,7 +16,7 @@ from spacevln.environments.houses.environment import HousesEnvironment
 from spacevln.environments.houses.plan import House, Room
 from spacevln.environments.houses.walkable import RESOLUTION_M, Walkable
 
-CLEARANCE_M = 0.3
+CLEARANCE_M = 0.15
 EYE = Camera(640, 480, 79.0, 0.88)
 
 
