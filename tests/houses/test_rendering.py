@@ -15,6 +15,7 @@ import pytest
 import two_rooms
 
 from spacevln.core import Camera, EnvironmentFailure, Pose, PrerequisiteError, UnknownNameError
+from spacevln.environments.houses.environment import load_place
 from spacevln.environments.houses.rendering import RANGE_M, RaycastRenderer, choice, make_renderer, probe, renderer_info
 from spacevln.environments.houses.rendering.culling import Visibility, geom_bounds
 
@@ -196,3 +197,51 @@ def test_a_process_ends_without_noise():
         check=False,
     )
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def _views(house) -> list[Pose]:
+    """In every room, every doorway and along the stairs."""
+    rng = np.random.default_rng(house.seed)
+    poses = []
+    for room in house.rooms:
+        for rect in room.rects:
+            x, y = rng.uniform(rect.x0 + 0.2, rect.x1 - 0.2), rng.uniform(rect.y0 + 0.2, rect.y1 - 0.2)
+            poses.append(Pose(x, y, house.floors[room.floor].z_m, rng.uniform(-3, 3)))
+    doors = [opening for opening in house.openings if opening.kind != "window"]
+    poses += [Pose(door.x, door.y, house.floors[door.floor].z_m, rng.uniform(-3, 3)) for door in doors]
+    for stairs in house.stairs:
+        (x, y), low = stairs.rect.centre, house.floors[stairs.lower_floor].z_m
+        for share in (-0.4, 0.0, 0.4):
+            dx, dy = (
+                share * stairs.rect.width * math.cos(stairs.up_yaw_rad),
+                share * stairs.rect.depth * math.sin(stairs.up_yaw_rad),
+            )
+            height = low + (share + 0.5) * (house.floors[stairs.lower_floor + 1].z_m - low)
+            poses += [Pose(x + dx, y + dy, height, stairs.up_yaw_rad + turn) for turn in (0.0, math.pi, 0.6)]
+    return poses
+
+
+@pytest.mark.parametrize("seed", [5, 8, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(40, 70))])
+def test_a_culled_picture_of_a_furnished_house_is_the_whole_picture(seed, monkeypatch):
+    drawable = load_place(f"house-{seed:06d}").drawable
+    camera = Camera(96, 72, 79.0, 0.88)
+    renderer = RaycastRenderer(drawable)
+    culled = [renderer.render(T_of(pose), camera) for pose in _views(drawable.house)]
+    monkeypatch.setattr(Visibility, "visible", lambda *_: np.ones(drawable.model.ngeom, np.bool_))
+    for pose, frame in zip(_views(drawable.house), culled, strict=True):
+        whole = renderer.render(T_of(pose), camera)
+        np.testing.assert_array_equal(frame.instance_ids, whole.instance_ids, err_msg=str(pose))
+        np.testing.assert_array_equal(frame.depth_m, whole.depth_m, err_msg=str(pose))
+
+
+@pytest.mark.skipif(not HAS_GL, reason="no OpenGL library here")
+def test_both_renderers_draw_the_same_furnished_house():
+    drawable = load_place("house-000003").drawable
+    gl, raycast = (make_renderer(renderer_info(name), drawable, 160, 120) for name in ("gl", "raycast"))
+    for pose in _views(drawable.house)[::4]:
+        a, b = gl.render(T_of(pose), CAMERA), raycast.render(T_of(pose), CAMERA)
+        same = a.instance_ids == b.instance_ids
+        assert same.mean() > 0.998
+        assert np.percentile(np.abs(a.depth_m - b.depth_m), 99) < 1e-3
+        assert np.abs(a.rgb.astype(int) - b.rgb)[same].mean() < 6
+    gl.close()

@@ -114,6 +114,8 @@ class Visibility:
 
     def _overlapping(self, space: Room | Stairs) -> NDArray[np.bool_]:
         """Which geoms reach into a space, walls around it included."""
+        if isinstance(space, Room) and space.type == "balcony":  # over its low walls one sees the house from outside
+            return np.ones(len(self._lower), dtype=np.bool_)
         if isinstance(space, Room):
             rects, floors = space.rects, (space.floor, space.floor)
         else:

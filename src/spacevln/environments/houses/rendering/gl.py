@@ -32,13 +32,17 @@ class _Context:
             from mujoco.egl import GLContext
         else:
             from mujoco.osmesa import GLContext
-        from OpenGL import GL  # type: ignore[import-untyped]
+        from OpenGL import GL, error  # type: ignore[import-untyped]
 
         self.process = os.getpid()
         self.gl: ModuleType = GL
-        self._context = GLContext(64, 64)
-        self.make_current()
-        self.program = self._linked()
+        self.failure: type[Exception] = error.Error
+        try:
+            self._context = GLContext(64, 64)
+            self.make_current()
+            self.program = self._linked()
+        except error.Error as failure:
+            raise RuntimeError(str(failure)) from failure
 
     def _linked(self) -> int:
         gl = self.gl
@@ -90,20 +94,12 @@ def shared_context(backend: Backend) -> _Context:
         try:
             _contexts.append(_Context(backend))
         except (ImportError, AttributeError, OSError, RuntimeError) as error:
-            raise _unusable(backend, error) from error
-        except Exception as error:
-            if type(error).__module__.partition(".")[0] != "OpenGL":
-                raise
-            raise _unusable(backend, error) from error
+            raise PrerequisiteError(
+                f"The graphics library {backend!r} cannot be used ({error}): install it with `{INSTALL_HINT}`, "
+                "or set SPACEVLN_RENDERER=raycast."
+            ) from error
         atexit.register(_free_all)
     return _contexts[-1]
-
-
-def _unusable(backend: Backend, error: Exception) -> PrerequisiteError:
-    return PrerequisiteError(
-        f"The graphics library {backend!r} cannot be used ({error}): install it with `{INSTALL_HINT}`, "
-        "or set SPACEVLN_RENDERER=raycast."
-    )
 
 
 class GLRenderer:
@@ -188,11 +184,16 @@ class GLRenderer:
         if (camera.height_px, camera.width_px) != self._size:
             height, width = self._size
             raise UsageError(f"This renderer draws {width}x{height} px, the camera has {camera.width_px}x{camera.height_px}.")
-        self._context.make_current()
         gl = self._context.gl
-        self._begin(gl, self._context.program, T_world_camera, camera)
-        self._draw(gl, self._visibility.near_first(T_world_camera, camera))
-        return self._read(gl)
+        try:
+            self._context.make_current()
+            self._begin(gl, self._context.program, T_world_camera, camera)
+            self._draw(gl, self._visibility.near_first(T_world_camera, camera))
+            return self._read(gl)
+        except self._context.failure as error:
+            raise EnvironmentFailure(
+                f"OpenGL failed while drawing ({error}): SPACEVLN_RENDERER=raycast does without it."
+            ) from error
 
     def _begin(self, gl: Any, program: int, T_world_camera: Float, camera: Camera) -> None:
         gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._target)
