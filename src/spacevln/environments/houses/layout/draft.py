@@ -8,6 +8,7 @@ from spacevln.environments.houses.plan import Rect
 
 WALL_M = 0.12
 """Thickness of every wall."""
+MIN_ROOMS, MAX_ROOMS = 4, 14
 
 ROOM_TYPES = (
     "balcony",

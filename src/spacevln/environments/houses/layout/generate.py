@@ -7,14 +7,14 @@ import math
 import numpy as np
 
 from spacevln.core.errors import ContractError
-from spacevln.environments.houses.layout.connect import connect, outer_walls, windows
-from spacevln.environments.houses.layout.draft import WALL_M, Draft, is_plausible, snapped
-from spacevln.environments.houses.layout.schemes import SINGLE_FLOOR, STORY_M, metres, two_floors
+from spacevln.environments.houses.layout.connect import connect
+from spacevln.environments.houses.layout.draft import MAX_ROOMS, MIN_ROOMS, WALL_M, Draft, is_plausible
+from spacevln.environments.houses.layout.outside import annex, windows
+from spacevln.environments.houses.layout.schemes import SINGLE_FLOOR, STORY_M, two_floors
 from spacevln.environments.houses.plan import Floor, House, Opening, Rect, Room, Stairs
 
 CEILING_M = 2.55
 TWO_FLOOR_SHARE = 0.2
-MIN_ROOMS, MAX_ROOMS = 4, 14
 _STREAM = 1
 _ATTEMPTS = 2000
 _PRIVATE_ENDS = frozenset(("bathroom", "closet", "balcony", "garage", "bedroom", "laundry room"))
@@ -37,7 +37,7 @@ def generate_layout(seed: int) -> House:
         draft = scheme(rng)
         if draft is None:
             continue
-        _annex(rng, draft)
+        annex(rng, draft)
         draft = draft.mapped(*(bool(rng.random() < 0.5) for _ in range(3)))
         if not _is_sane(draft):
             continue
@@ -46,55 +46,6 @@ def generate_layout(seed: int) -> House:
             openings += windows(rng, draft, len(openings) + 1)
             return _house(seed, draft, openings)
     raise ContractError(f"No floor plan was found for house seed {seed} in {_ATTEMPTS} attempts; report the seed.")
-
-
-def _annex(rng: np.random.Generator, draft: Draft) -> None:
-    """Perhaps a garage or a balcony against an outer wall."""
-    types = {cell.type for cell in draft.cells}
-    if rng.random() < 0.22 and "garage" not in types:
-        _attach(rng, draft, ("hallway", "kitchen", "laundry room"), "garage", (3.2, 3.9), (5.2, 6.0))
-    if rng.random() < 0.4:
-        _attach(rng, draft, ("living room", "bedroom", "dining room"), "balcony", (2.8, 4.6), (1.5, 2.0))
-
-
-def _attach(
-    rng: np.random.Generator,
-    draft: Draft,
-    hosts: tuple[str, ...],
-    type_: str,
-    length: tuple[float, float],
-    depth: tuple[float, float],
-) -> None:
-    """Put a room outside against a wall of one of the hosts, where there is space."""
-    if len(draft.cells) >= MAX_ROOMS:
-        return
-    hosted = [index for index, cell in enumerate(draft.cells) if cell.type in hosts]
-    for index in (hosted[int(k)] for k in rng.permutation(len(hosted))):
-        if type_ == "garage" and draft.cells[index].floor != 0:
-            continue
-        along, away = metres(rng, *length), metres(rng, *depth)
-        for stretch in outer_walls(draft, index):
-            rects = draft.cells[index].rects
-            low = stretch.low - 0.16 if type_ == "garage" else stretch.low
-            room = stretch.length if type_ != "garage" else 99.0
-            if stretch.length < 1.4 or (type_ == "balcony" and stretch.length < 2.8):
-                continue
-            span = min(along, room)
-            outward = _outward(rects, stretch.axis, stretch.across)
-            a, b = sorted((stretch.across, stretch.across + outward * away))
-            rect = snapped(low, a, low + span, b) if stretch.axis == "x" else snapped(a, low, b, low + span)
-            if not any(_overlap(rect, other) for k in draft.on_floor(draft.cells[index].floor) for other in draft.cells[k].rects):
-                draft.add(type_, rect, floor=draft.cells[index].floor, owner=index)
-                return
-
-
-def _outward(rects: tuple[Rect, ...], axis: str, across: float) -> int:
-    inside = any((rect.y1 if axis == "x" else rect.x1) == across for rect in rects)
-    return 1 if inside else -1
-
-
-def _overlap(a: Rect, b: Rect) -> bool:
-    return a.x0 < b.x1 - 1e-6 and b.x0 < a.x1 - 1e-6 and a.y0 < b.y1 - 1e-6 and b.y0 < a.y1 - 1e-6
 
 
 def _is_sane(draft: Draft) -> bool:
@@ -106,7 +57,6 @@ def _is_sane(draft: Draft) -> bool:
 
 def _is_joined(draft: Draft, openings: list[Opening]) -> bool:
     """Whether every room is reached, and none of the others only through a bedroom, a bathroom or the like."""
-    reached, stack = {0}, [0]
     start = next(index for index, cell in enumerate(draft.cells) if cell.type == "hallway")
     reached, stack = {start}, [start]
     halls = [index for index, cell in enumerate(draft.cells) if cell.type == "hallway"]
