@@ -71,6 +71,9 @@ class DrawnMap:
     def is_obstacle(self, xy_m: ArrayLike) -> NDArray[np.bool_]:
         return self._look_up(self.obstacle, xy_m)
 
+    def is_passable(self, x: float, y: float) -> bool:
+        return bool(self._look_up(self.passable > 0, [x, y])[0])
+
     def line_of_sight(self, a_xy_m: ArrayLike, b_xy_m: ArrayLike) -> bool:
         a, b = np.asarray(a_xy_m, float), np.asarray(b_xy_m, float)
         return bool(self.is_free(a + np.linspace(0, 1, 200)[:, None] * (b - a)).all())

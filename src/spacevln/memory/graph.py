@@ -11,7 +11,7 @@ import numpy as np
 
 from spacevln.core import SpatialWaypoint
 from spacevln.core.geometry import Float
-from spacevln.memory.metric import Field
+from spacevln.memory.metric import MemoryMap
 
 REACH_M = 5.0  # longest E_map edge; longer ways are paths over edges [ours]
 NEAR_PATH_M = 0.5  # a third waypoint this near to the path splits the edge [ours]
@@ -65,27 +65,31 @@ class WaypointGraph:
         """Adj(P): join two consecutive waypoints of the chain; the shortest way walked between them counts."""
         self._put(a, b, EdgeKind.CHAIN, length_m)
 
-    def connect_map(self, new: SpatialWaypoint, others: Sequence[SpatialWaypoint], field: Field) -> None:
+    def connect_map(self, new: SpatialWaypoint, others: Sequence[SpatialWaypoint], metric_map: MemoryMap) -> None:
         """Reach: join ``new`` with the waypoints of its floor that are locally reachable.
 
         Args:
             new: a waypoint not yet joined.
             others: every earlier waypoint.
-            field: geodesic distances from ``new``.
+            metric_map: m_t, on the floor of ``new``.
         """
         others = [other for other in others if other.floor == new.floor]
         if not others:
             return
+        field = metric_map.geodesic_field(new.pose.xy_m)
         xy = np.array([[other.pose.x_m, other.pose.y_m] for other in others])
         for other, length_m in zip(others, field.at(xy), strict=True):
             if length_m > REACH_M:
                 continue
             path = field.path_to([other.pose.x_m, other.pose.y_m])
-            if len(path) == 0 or _passes_third(path, xy, new, other):
+            if len(path) == 0 or _passes_third(path, xy, metric_map):
                 continue
             self._put(new, other, EdgeKind.MAP, float(length_m))
             self._paths[_key(new.index, other.index)] = path
-        self._split(new, {waypoint.index: waypoint for waypoint in others})
+        for (a, b), path in list(self._paths.items()):
+            if new.index not in (a, b) and _passes_third(path, new.pose.xy_m[None], metric_map):
+                del self._paths[a, b], self._edges[a, b, EdgeKind.MAP]  # the way is now two edges
+                self._relink(a, b)
 
     def shortest(self, sources: Mapping[int, float]) -> tuple[dict[int, float], dict[int, int]]:
         """Dijkstra from several waypoints, each with the way to it.
@@ -119,18 +123,6 @@ class WaypointGraph:
         self._edges[low, high, kind] = Edge(low, high, kind, length, a.floor != b.floor)
         self._relink(low, high)
 
-    def _split(self, new: SpatialWaypoint, by_index: Mapping[int, SpatialWaypoint]) -> None:
-        """Drop the local edges whose path the new waypoint lies on: the way is now two edges."""
-        joined = {index for index in by_index if (*_key(new.index, index), EdgeKind.MAP) in self._edges}
-        for (a, b), path in list(self._paths.items()):
-            if a in joined and b in joined and new.index not in (a, b):
-                ends = [by_index[a].pose, by_index[b].pose]
-                if min(new.pose.distance_m(end.x_m, end.y_m) for end in ends) <= NEAR_PATH_M:
-                    continue
-                if from_path_m(path, new.pose.xy_m[None])[0] <= NEAR_PATH_M:
-                    del self._paths[a, b], self._edges[a, b, EdgeKind.MAP]
-                    self._relink(a, b)
-
     def _relink(self, a: int, b: int) -> None:
         lengths = [edge.length_m for kind in EdgeKind if (edge := self._edges.get((a, b, kind))) is not None]
         for one, two in ((a, b), (b, a)):
@@ -145,21 +137,24 @@ def _key(a: int, b: int) -> tuple[int, int]:
     return (a, b) if a < b else (b, a)
 
 
-def _passes_third(path: Float, xy: Float, new: SpatialWaypoint, other: SpatialWaypoint) -> bool:
-    """Whether a waypoint that is near neither end lies near the path."""
-    near_end = np.minimum(np.hypot(*(xy - new.pose.xy_m).T), np.hypot(*(xy - other.pose.xy_m).T)) <= NEAR_PATH_M
+def _passes_third(path: Float, xy: Float, metric_map: MemoryMap) -> bool:
+    """Whether one of the (N, 2) points that is near neither end lies near the path, with no wall between."""
+    near_end = np.minimum(np.hypot(*(xy - path[0]).T), np.hypot(*(xy - path[-1]).T)) <= NEAR_PATH_M
     third = xy[~near_end]
     if len(third) == 0:
         return False
-    return bool(from_path_m(path, third).min() <= NEAR_PATH_M)
+    nearest = nearest_on_path(path, third)
+    near = np.hypot(*(nearest - third).T) <= NEAR_PATH_M
+    return any(metric_map.line_of_sight(a, b) for a, b in zip(third[near], nearest[near], strict=True))
 
 
-def from_path_m(path: Float, points: Float) -> Float:
-    """Distance of each of the (N, 2) points to a polyline (M, 2) [m], shape (N,)."""
+def nearest_on_path(path: Float, points: Float) -> Float:
+    """The point of a polyline (M, 2) that is nearest to each of the points (N, 2), shape (N, 2)."""
     if len(path) == 1:
-        return np.asarray(np.hypot(*(points - path[0]).T))
+        return np.repeat(path, len(points), axis=0)
     start, along = path[:-1], np.diff(path, axis=0)
     offset = points[:, None, :] - start[None]
     share = np.clip((offset * along).sum(axis=2) / np.maximum((along**2).sum(axis=1), 1e-12), 0.0, 1.0)
-    gaps = offset - share[..., None] * along
-    return np.asarray(np.hypot(gaps[..., 0], gaps[..., 1]).min(axis=1))
+    on_path = start + share[..., None] * along
+    best = np.argmin(((on_path - points[:, None, :]) ** 2).sum(axis=2), axis=1)
+    return np.asarray(on_path[np.arange(len(points)), best])

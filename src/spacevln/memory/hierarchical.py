@@ -11,11 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from spacevln.core import Anchor, CueKind, EgocentricMemory, LandmarkCue, Pose, Sighting, SpatialWaypoint
-from spacevln.core.geometry import Float
 from spacevln.language import cue_kind, parse_region
 from spacevln.memory.arrange import arrange
 from spacevln.memory.graph import REACH_M, Edge, WaypointGraph
-from spacevln.memory.metric import Field, MemoryMap
+from spacevln.memory.metric import MemoryMap
 from spacevln.memory.regions import Region, Regions
 from spacevln.memory.rendering import render_map
 from spacevln.memory.serialize import serialize
@@ -85,10 +84,9 @@ class HierarchicalSpatialMemory:
         )
         earlier = self.waypoints
         self._waypoints.append(waypoint)
-        field = metric_map.geodesic_field(pose.xy_m)
-        self.graph.connect_map(waypoint, earlier, field)
+        self.graph.connect_map(waypoint, earlier, metric_map)
         if earlier:
-            self._connect_chain(earlier[-1], waypoint, field, metric_map.travelled)
+            self._connect_chain(earlier[-1], waypoint, metric_map)
         self._walked_until = len(metric_map.travelled)
         self.regions.update(self._waypoints, metric_map, self.thresholds)
         return waypoint
@@ -124,20 +122,20 @@ class HierarchicalSpatialMemory:
             frontiers=frontiers,
         )
 
-    def _connect_chain(self, before: SpatialWaypoint, waypoint: SpatialWaypoint, field: Field, travelled: Float) -> None:
+    def _connect_chain(self, before: SpatialWaypoint, waypoint: SpatialWaypoint, metric_map: MemoryMap) -> None:
         """The known way between two consecutive waypoints: on the map, or, where that does not join them, as walked."""
         length_m = math.inf
         if before.floor == waypoint.floor:
-            length_m = float(field.at(before.pose.xy_m[None])[0])
+            length_m = metric_map.geodesic_m(before.pose.xy_m, waypoint.pose.xy_m)
         if not math.isfinite(length_m):
-            walked = np.vstack([before.pose.xy_m, travelled[self._walked_until :, :2], waypoint.pose.xy_m])
+            walked = np.vstack([before.pose.xy_m, metric_map.travelled[self._walked_until :, :2], waypoint.pose.xy_m])
             length_m = float(np.hypot(*np.diff(walked, axis=0).T).sum())
         self.graph.connect_chain(before, waypoint, length_m)
 
     def _cues(self, pose: Pose, floor: int, named: Sequence[str], sightings: Sequence[Sighting]) -> tuple[LandmarkCue, ...]:
         """Lambda_k: what the anchor names first, then what was seen in this space, each thing once."""
         cues: list[LandmarkCue] = []
-        for sighting in sorted(sightings, key=lambda s: (-s.confidence, s.distance_m, s.category, s.position_m)):
+        for sighting in sorted(sightings, key=lambda s: (s.is_passage, -s.confidence, s.distance_m, s.category, s.position_m)):
             passage = cue_kind(sighting.category) is CueKind.OPENING
             if sighting.distance_m > CUE_RANGE_M or any(_same_cue(cue, sighting) for cue in cues):
                 continue
