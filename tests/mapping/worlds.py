@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import numba
 import numpy as np
 
 from spacevln.core import Camera, Observation, Pose
@@ -29,14 +30,22 @@ def room(x0: float, y0: float, x1: float, y1: float, height: float = 2.6) -> lis
 
 def cast(boxes: Sequence[Box], origin: np.ndarray, directions: np.ndarray) -> np.ndarray:
     """Ray parameter of the first hit per direction (N, 3), inf where nothing is hit."""
-    best = np.full(len(directions), np.inf)
     safe = np.where(np.abs(directions) < 1e-12, 1e-12, directions)
-    for box in boxes:
-        low, high = np.array(box[:3]), np.array(box[3:])
-        a, b = (low - origin) / safe, (high - origin) / safe
-        enter, leave = np.minimum(a, b).max(axis=1), np.maximum(a, b).min(axis=1)
-        hit = (enter <= leave) & (leave > 0)
-        best = np.where(hit & (np.maximum(enter, 0) < best), np.maximum(enter, 0), best)
+    return _slabs(np.array(boxes, float), np.asarray(origin, float), np.ascontiguousarray(safe))
+
+
+@numba.njit(cache=True)
+def _slabs(boxes: np.ndarray, origin: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    best = np.full(len(directions), np.inf)
+    for n in range(len(directions)):
+        for k in range(len(boxes)):
+            enter, leave = -np.inf, np.inf
+            for axis in range(3):
+                a = (boxes[k, axis] - origin[axis]) / directions[n, axis]
+                b = (boxes[k, axis + 3] - origin[axis]) / directions[n, axis]
+                enter, leave = max(enter, min(a, b)), min(leave, max(a, b))
+            if enter <= leave and leave > 0 and max(enter, 0.0) < best[n]:
+                best[n] = max(enter, 0.0)
     return best
 
 
@@ -46,7 +55,7 @@ def look(boxes: Sequence[Box], pose: Pose, camera: Camera = CAMERA) -> Observati
     left, up = -(u - camera.cx_px) / camera.fx_px, -(v - camera.cy_px) / camera.fy_px
     c, s = np.cos(pose.yaw_rad), np.sin(pose.yaw_rad)
     directions = np.stack([c - s * left, s + c * left, up], axis=-1).reshape(-1, 3)
-    depth = cast(boxes, pose.position_m + (0, 0, camera.height_m), directions).reshape(u.shape)
+    depth = cast(boxes, pose.position_m + np.array([0, 0, camera.height_m]), directions).reshape(u.shape)
     rgb = np.zeros((*u.shape, 3), np.uint8)
     return Observation(rgb, np.where(np.isfinite(depth), depth, 0).astype(np.float32), pose, camera)
 

@@ -115,10 +115,18 @@ def _turn(
 ) -> Any:  # pragma: no cover - compiled
     """Nearest-neighbour image (n, n) of a window, rows against the direction (c, s), columns to its right."""
     out = np.empty((n, n), np.uint8)
+    cells = window.ravel()
+    width = np.int64(window.shape[1])
     half = (n - 1) / 2
+    # Fixed point with 32 fractional bits: a pixel costs two additions and two shifts.
+    unit = 4294967296.0
+    step_i, step_j = np.int64(s * unit), np.int64(-c * unit)
     for row in range(n):
         ahead = half - row
-        base_i, base_j = centre_i + ahead * c - half * s, centre_j + ahead * s + half * c
+        i = np.int64((centre_i + ahead * c - half * s) * unit)
+        j = np.int64((centre_j + ahead * s + half * c) * unit)
         for column in range(n):
-            out[row, column] = window[int(base_i + column * s), int(base_j - column * c)]
+            out[row, column] = cells[(i >> 32) * width + (j >> 32)]
+            i += step_i
+            j += step_j
     return out

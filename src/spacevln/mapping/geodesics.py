@@ -41,11 +41,13 @@ class FreeGrid:
         """Distances from a point; a point that is not passable is moved to the nearest passable cell within 0.3 m."""
         start = self.to_cells(xy_m)[0]
         i, j = wavefront.nearest_open(self.passable, start[0], start[1], SNAP_M / self.resolution_m)
+        gap = 0.0
         if i < 0:
             return GeodesicField(self, start, np.zeros((0, 0), np.float32))
         if (int(np.floor(start[0])), int(np.floor(start[1]))) != (i, j):
+            gap = float(np.hypot(start[0] - i - 0.5, start[1] - j - 0.5))
             start = np.array([i + 0.5, j + 0.5])
-        return GeodesicField(self, start, wavefront.march(self.passable, start[0], start[1]))
+        return GeodesicField(self, start, wavefront.march(self.passable, start[0], start[1]) + np.float32(gap))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +87,10 @@ class GeodesicField:
         )
 
     def path_to(self, xy_m: ArrayLike, snap_m: float = SNAP_M) -> Float:
-        """The way to a point as (N, 2) points [m], pulled straight, both ends included; (0, 2) when there is none."""
+        """The way to a point as (N, 2) points [m], pulled straight; (0, 2) when there is none.
+
+        Both ends are included; an end that is not passable is replaced by the nearest passable cell.
+        """
         if self.reaches_anything:
             point = self.grid.to_cells(xy_m)[0]
             i, j = wavefront.nearest_open(self.grid.passable, point[0], point[1], snap_m / self.grid.resolution_m)

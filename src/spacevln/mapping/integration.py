@@ -16,6 +16,7 @@ from spacevln.mapping.tiles import TiledLayer
 
 _ON_STAIRS_M = 0.25  # farther from the floor's height, only what is near is written
 _STAIRS_REACH_M = 1.0
+_TREADS_REACH_M = 1.5  # the next storey's floor is seen beyond the last tread
 _SAME_STRIDE_M = 0.6  # a longer way between two frames is not walked over in a straight line
 _RISE_BINS_FROM_FLOOR = 12  # stairs rise 0.6 m; a bed does not
 _RISE_BINS_ON_STAIRS = 3
@@ -61,6 +62,8 @@ class FrameWriter:
         self._heights = self._window("heights", rows, columns, 4).view(np.uint32).reshape(rows, columns)
         self._heights.fill(0)
         projection.scatter_heights(self._depth_m, self._view, self.resolution_m, self._heights)
+        camera = self._view[9] / self.resolution_m, self._view[10] / self.resolution_m, self._view[11]
+        settling.fill_lying(self._heights, camera, observation.camera.fy_px, self.resolution_m)
 
     @property
     def flat_cells(self) -> int:
@@ -77,11 +80,13 @@ class FrameWriter:
         feet_bins = round(rise_m / HEIGHT_BIN_M)
         on_stairs, level = abs(rise_m) > _ON_STAIRS_M, abs(rise_m) <= LEVEL_M
         self._stamp(pose, floor, seen, solid)
-        if settling.find_stairs(self._heights, seen, ground, feet_bins, _RISE_BINS_FROM_FLOOR if level else _RISE_BINS_ON_STAIRS):
-            floor.ground.write(i0, j0, ground)
         camera_ij = self._view[9] / resolution_m, self._view[10] / resolution_m
-        radius_m = _STAIRS_REACH_M if on_stairs else 4 * DEPTH_TO_M
-        settling.settle(self._heights, seen, solid, ground, feet_bins, camera_ij, radius_m / resolution_m)
+        rise_bins = _RISE_BINS_FROM_FLOOR if level else _RISE_BINS_ON_STAIRS
+        stairs_cells = (_TREADS_REACH_M if on_stairs else 4 * DEPTH_TO_M) / resolution_m
+        if settling.find_stairs(self._heights, seen, ground, feet_bins, rise_bins, camera_ij, stairs_cells):
+            floor.ground.write(i0, j0, ground)
+        radius_cells = (_STAIRS_REACH_M if on_stairs else 4 * DEPTH_TO_M) / resolution_m
+        settling.settle(self._heights, seen, solid, ground, feet_bins, camera_ij, radius_cells)
         if not on_stairs:
             projection.see_floor(self._depth_m, self._view, resolution_m, seen)
         if level:
@@ -101,17 +106,12 @@ class FrameWriter:
         self._last = pose, floor
 
     def settle_sightings(self, sightings: Sequence[Sighting], floor: Floor) -> None:
-        """Mark where landmarks were sighted: a disc of the seen extent around each position."""
+        """Mark the cells around the points where landmarks were sighted."""
         for sighting in sightings:
-            radius = min(0.5, max(0.1, sighting.extent_m / 2)) / self.resolution_m
-            x, y = sighting.position_m[0] / self.resolution_m, sighting.position_m[1] / self.resolution_m
-            span = math.ceil(radius) + 1
-            i0, j0 = math.floor(x) - span, math.floor(y) - span
             layer = floor.semantic.setdefault(sighting.category, TiledLayer())
-            window = layer.window(i0, j0, 2 * span + 1, 2 * span + 1)
-            i, j = np.ogrid[: len(window), : len(window)]
-            window[(i + 0.5 + i0 - x) ** 2 + (j + 0.5 + j0 - y) ** 2 <= radius * radius] = 1
-            layer.write(i0, j0, window)
+            for x_m, y_m in (sighting.position_m[:2], *sighting.surface_m):
+                i0, j0 = math.floor(x_m / self.resolution_m) - 1, math.floor(y_m / self.resolution_m) - 1
+                layer.write(i0, j0, np.ones((3, 3), np.uint8))
 
     def _read(
         self, floor: Floor, i0: int, j0: int, shape: tuple[int, int]

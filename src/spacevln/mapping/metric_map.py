@@ -242,9 +242,9 @@ class MetricMap:
     def sector_distance_m(self, observation: Observation, bearing_rad: float = 0.0) -> float:
         """Distance from the agent's centre to what its body would touch first in a direction [m], at most 5 m.
 
-        The map (up to 2 m) and this depth image are averaged when they agree within 0.4 m, else the smaller counts. When at
-        least 18 % (and 6) of the sector's depth samples are at the camera's lower limit, it is 0.49 m. Treads of stairs that
-        lead on from the local floor are no obstacles.
+        The smaller of what the map (up to 2 m) and this depth image say: the front edge of a low thing leaves the image before the
+        body reaches it, and an average would move it away. When at least 18 % (and 6) of the sector's depth samples are at the
+        camera's lower limit, it is 0.49 m. Treads of stairs that lead on from the local floor are no obstacles.
 
         Args:
             observation: image and pose of the moment; need not be integrated.
@@ -268,10 +268,8 @@ class MetricMap:
         )
         view = camera_view(observation, pose.x_m, pose.y_m)
         depth_m = np.ascontiguousarray(observation.depth_m, np.float32)
-        return min(
-            sectors.DEPTH_REACH_M,
-            sectors.fuse(map_m, sectors.depth_distance_m(depth_m, view, direction, half_width_m, self._treads(pose))),
-        )
+        seen_m = sectors.depth_distance_m(depth_m, view, direction, half_width_m, self._treads(pose))
+        return float(min(sectors.DEPTH_REACH_M, map_m, seen_m))
 
     def _treads(self, pose: Pose) -> tuple[NDArray[np.uint8], NDArray[np.int8], int, float]:
         """Windows of flags and tread heights around the agent; empty while the floor knows no stairs."""

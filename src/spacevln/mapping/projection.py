@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from spacevln.mapping.cells import DEPTH_FROM_M, DEPTH_TO_M, FLOOR, GROUND_BIN, HEIGHT_BIN_M, LOWEST_BIN_M, SWEPT
 
+_ROWS_ABOVE = 4
 _BLIND_ROWS = 24  # rows over which the lowest visible surface is told upright or lying
 _SEE_THROUGH_M = 0.12  # a ray must end this far behind an obstacle to remove it
 
@@ -86,13 +87,25 @@ def see_floor(
 def _floor_at(
     depth_m: NDArray[np.float32], view: NDArray[np.float64], u: int, v: int, forward_m: float
 ) -> Any:  # pragma: no cover - compiled
-    """Whether the pixel's ray ends on the floor plane."""
-    slope = (
-        view[6] - view[7] * (u + 0.5 - view[14]) / view[12] - view[8] * (v + 0.5 - view[15]) / view[13]
-    )  # height gained per metre of depth
+    """Whether the pixel's ray ends on the floor plane.
+
+    Clearly off is no floor. Slightly off may be a noisy sensor, a rug or the foot of a wall: the rows above tell, because a wall
+    departs from the floor plane there.
+    """
+    off_m = _off_floor_m(depth_m, view, u, v)
+    if off_m <= 0.005 + 0.002 * forward_m:
+        return True
+    loose_m = 0.02 + 0.01 * forward_m
+    return off_m <= loose_m and _off_floor_m(depth_m, view, u, max(0, v - _ROWS_ABOVE)) <= loose_m
+
+
+@numba.njit(cache=True)
+def _off_floor_m(depth_m: NDArray[np.float32], view: NDArray[np.float64], u: int, v: int) -> Any:  # pragma: no cover - compiled
+    """How far a measured depth differs from the floor plane's [m]; inf when the ray does not descend."""
+    slope = view[6] - view[7] * (u + 0.5 - view[14]) / view[12] - view[8] * (v + 0.5 - view[15]) / view[13]
     if slope > -1e-3:
-        return False
-    return abs(depth_m[v, u] + view[11] / slope) <= 0.02 + 0.01 * forward_m
+        return np.inf
+    return abs(depth_m[v, u] + view[11] / slope)
 
 
 @numba.njit(cache=True)

@@ -13,30 +13,29 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.mapping.cells import DEPTH_FROM_M, DEPTH_TO_M, OBSTACLE_FROM_M, OBSTACLE_TO_M, STAIR
+from spacevln.mapping.cells import (
+    DEPTH_FROM_M,
+    DEPTH_TO_M,
+    GROUND_BIN,
+    HEIGHT_BIN_M,
+    OBSTACLE_FROM_M,
+    OBSTACLE_TO_M,
+    STAIR,
+)
+from spacevln.mapping.settling import TREAD_TOP_BIN
 
 MAP_REACH_M = 2.0  # farther, the map is not asked
 DEPTH_REACH_M = DEPTH_TO_M
-AGREE_M = 0.4
 NEAR_CLIP_M = 0.49  # reported when the sector is closer than the camera can measure
 _NEAR_SLACK_M = 0.03
 _NEAR_SHARE = 0.18
 _NEAR_SAMPLES = 6
 _NEAR_HALF_RAD = math.radians(5.0)
 _NEAR_ROWS = (0.38, 0.92)
-_STRIDE_PX = 2
+_STRIDE_PX = 3
 _BIN_M = 0.025
 _MIN_SAMPLES = 3
-
-
-def fuse(map_m: float, depth_m: float) -> float:
-    """One distance of two: the average when they agree within 0.4 m, else the smaller, never more than depth alone says.
-
-    ``inf`` means that a source sees nothing within its reach.
-    """
-    if abs(map_m - depth_m) <= AGREE_M:
-        return min(depth_m, (map_m + depth_m) / 2)
-    return min(map_m, depth_m)
+_BINS = 320
 
 
 def depth_distance_m(
@@ -91,28 +90,37 @@ def _histogram(
     resolution_m: float,
 ) -> Any:  # pragma: no cover - compiled
     """Number of pixels per distance bin that show something standing in the body's way."""
-    counts = np.zeros(int(8.0 / _BIN_M), np.int64)
+    counts = np.zeros(_BINS, np.int64)
     half = seen.shape[0] * 0.5
+    # Per column: ahead, across and up per metre of depth, before the row's part is added.
+    step = -_STRIDE_PX / view[12]
+    step_along, step_across = (c * view[1] + s * view[4]) * step, (c * view[4] - s * view[1]) * step
+    at_along, at_across = c * view[9] + s * view[10], c * view[10] - s * view[9]
     for v in range(0, depth_m.shape[0], _STRIDE_PX):
-        up = -(v + 0.5 - view[15]) / view[13]
-        for u in range(u0, u1, _STRIDE_PX):
-            d = depth_m[v, u]
+        up, left = -(v + 0.5 - view[15]) / view[13], -(u0 + 0.5 - view[14]) / view[12]
+        x, y = view[0] + view[1] * left + view[2] * up, view[3] + view[4] * left + view[5] * up
+        row_along, row_across = c * x + s * y, c * y - s * x
+        row_up, step_up = view[6] + view[7] * left + view[8] * up, view[7] * step
+        for k in range((u1 - u0) // _STRIDE_PX):
+            d = depth_m[v, u0 + k * _STRIDE_PX]
             if not (DEPTH_FROM_M <= d <= DEPTH_TO_M):
                 continue
-            left = -(u + 0.5 - view[14]) / view[12]
-            z = view[11] + d * (view[6] + view[7] * left + view[8] * up)
+            z = view[11] + d * (row_up + k * step_up)
             if z < OBSTACLE_FROM_M or z > OBSTACLE_TO_M:
                 continue
-            x = view[9] + d * (view[0] + view[1] * left + view[2] * up)
-            y = view[10] + d * (view[3] + view[4] * left + view[5] * up)
-            along, across = c * x + s * y, c * y - s * x
-            if along <= 0.0 or abs(across) > half_width_m:
+            across = at_across + d * (row_across + k * step_across)
+            if across > half_width_m or across < -half_width_m:
                 continue
-            i, j = int(np.floor(x / resolution_m + half)), int(np.floor(y / resolution_m + half))
-            on_tread = 0 <= i < seen.shape[0] and 0 <= j < seen.shape[1] and seen[i, j] & STAIR != 0
-            if on_tread and z < (ground[i, j] - feet_bins) * 0.05 + OBSTACLE_FROM_M + 0.05:
+            along = at_along + d * (row_along + k * step_along)
+            if along <= 0.0:
                 continue
-            counts[min(int(along / _BIN_M), len(counts) - 1)] += 1
+            if seen.shape[0] > 0:
+                i = int((c * along - s * across) / resolution_m + half)
+                j = int((s * along + c * across) / resolution_m + half)
+                on_tread = 0 <= i < seen.shape[0] and 0 <= j < seen.shape[1] and seen[i, j] & STAIR != 0
+                if on_tread and z < (ground[i, j] - feet_bins + TREAD_TOP_BIN - GROUND_BIN) * HEIGHT_BIN_M:
+                    continue
+            counts[min(int(along * (1.0 / _BIN_M)), _BINS - 1)] += 1
     return counts
 
 

@@ -6,12 +6,13 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.mapping.cells import BODY, FLOOR, GROUND_BIN, HIT, OBSTACLE_BIN, STAIR
+from spacevln.mapping.cells import BODY, FLOOR, GROUND_BIN, HEIGHT_BIN_M, HIT, LOWEST_BIN_M, OBSTACLE_BIN, STAIR
 from spacevln.mapping.projection import FLOOR_BINS
 
 _STEP_BINS = 4  # 0.20 m, the highest step that is climbed
 _STAIR_JOIN_CELLS = 6  # treads over eye level are not seen: risers are joined over a tread
 _STAIR_MIN_CELLS = 40
+TREAD_TOP_BIN = GROUND_BIN + 6  # over a tread, the riser of the next one may share its cell
 
 
 @numba.njit(cache=True)
@@ -38,12 +39,51 @@ def count_flat(heights: NDArray[np.uint32]) -> int:  # pragma: no cover - compil
 
 
 @numba.njit(cache=True)
+def fill_lying(
+    heights: NDArray[np.uint32], camera: tuple[float, float, float], fy_px: float, resolution_m: float
+) -> None:  # pragma: no cover - compiled
+    """Join the rows of pixels that fell on one lying surface (table top, bed), which lie cells apart when it is seen flat.
+
+    From every cell the ray is followed away from the camera for as far as the next row of pixels lies on a level surface; a cell
+    with the same height there makes those between part of the surface.
+
+    Args:
+        camera: i, j in cells and height over the feet [m].
+    """
+    for i in range(heights.shape[0]):
+        for j in range(heights.shape[1]):
+            bits = np.int64(heights[i, j])
+            if bits >> OBSTACLE_BIN == 0:
+                continue
+            _, high = _span(bits)
+            drop_m = camera[2] - (LOWEST_BIN_M + (high + 0.5) * HEIGHT_BIN_M)
+            di, dj = i + 0.5 - camera[0], j + 0.5 - camera[1]
+            far = np.hypot(di, dj)
+            if drop_m < 0.03 or far < 1.0:
+                continue
+            rows_apart = far * far * resolution_m / (fy_px * drop_m)
+            if rows_apart < 0.7:
+                continue
+            for step in range(2, min(10, int(2.0 + 1.3 * rows_apart)) + 1):
+                a, b = int(i + 0.5 + di / far * step), int(j + 0.5 + dj / far * step)
+                if not (0 <= a < heights.shape[0] and 0 <= b < heights.shape[1]):
+                    break
+                if heights[a, b] & np.uint32(1 << high) != 0:
+                    for between in range(1, step):
+                        p, q = int(i + 0.5 + di / far * between), int(j + 0.5 + dj / far * between)
+                        heights[p, q] |= np.uint32(1 << high)
+                    break
+
+
+@numba.njit(cache=True)
 def find_stairs(
     heights: NDArray[np.uint32],
     seen: NDArray[np.uint8],
     ground: NDArray[np.int8],
     feet_bins: int,
     rise_bins: int,
+    camera_ij: tuple[float, float],
+    radius_cells: float,
 ) -> int:  # pragma: no cover - compiled
     """Flag treads and risers that steps of at most 0.2 m connect with the floor; returns how many cells are new.
 
@@ -55,6 +95,7 @@ def find_stairs(
         ground: tread heights over the floor [bins of 5 cm], written for the new ones.
         feet_bins: height of the feet over the floor [bins].
         rise_bins: needed rise of a group over the feet [bins].
+        camera_ij, radius_cells: only cells this near are looked at.
     """
     n_i, n_j = heights.shape
     level = np.full((n_i, n_j), -1, np.int8)
@@ -62,14 +103,15 @@ def find_stairs(
     for i in range(n_i):
         for j in range(n_j):
             bits = np.int64(heights[i, j])
-            if bits >> OBSTACLE_BIN != 0:
+            near = (i + 0.5 - camera_ij[0]) ** 2 + (j + 0.5 - camera_ij[1]) ** 2 <= radius_cells * radius_cells
+            if bits >> OBSTACLE_BIN != 0 and near:
                 low, high = _span(bits)
                 if high - low <= _STEP_BINS:
                     level[i, j] = high
     new = 0
     for i in range(2, n_i - 2):
         for j in range(2, n_j - 2):
-            if level[i, j] < 0 or level[i, j] > GROUND_BIN + _STEP_BINS or not _beside_floor(heights, seen, i, j):
+            if level[i, j] < 0 or not _reached(heights, seen, ground, feet_bins, level[i, j], i, j):
                 continue
             end, highest = _climb(level, queue, i, j)
             if end >= _STAIR_MIN_CELLS and highest >= GROUND_BIN + rise_bins:
@@ -77,19 +119,32 @@ def find_stairs(
                     a, b = queue[k, 0], queue[k, 1]
                     if seen[a, b] & STAIR == 0:
                         new += 1
+                    height = -level[a, b] - 2 - GROUND_BIN + feet_bins
+                    ground[a, b] = max(height, ground[a, b]) if seen[a, b] & STAIR != 0 else height
                     seen[a, b] |= STAIR
-                    ground[a, b] = -level[a, b] - 2 - GROUND_BIN + feet_bins
     return new
 
 
 @numba.njit(cache=True)
-def _beside_floor(heights: NDArray[np.uint32], seen: NDArray[np.uint8], i: int, j: int) -> bool:  # pragma: no cover - compiled
-    """Whether floor at the height of the feet, or a known tread, lies within two cells."""
+def _reached(
+    heights: NDArray[np.uint32],
+    seen: NDArray[np.uint8],
+    ground: NDArray[np.int8],
+    feet_bins: int,
+    level: int,
+    i: int,
+    j: int,
+) -> bool:  # pragma: no cover - compiled
+    """Whether a step leads to this level from floor at the height of the feet or from a known tread, within two cells."""
     for a in range(i - 2, i + 3):
         for b in range(j - 2, j + 3):
-            bits = np.int64(heights[a, b])
-            if (bits & FLOOR_BINS != 0 and bits >> OBSTACLE_BIN == 0) or seen[a, b] & (STAIR | BODY) != 0:
-                return True
+            if seen[a, b] & STAIR != 0:
+                if abs(ground[a, b] - feet_bins + GROUND_BIN - level) <= _STEP_BINS:
+                    return True
+            elif level <= GROUND_BIN + _STEP_BINS:
+                bits = np.int64(heights[a, b])
+                if (bits & FLOOR_BINS != 0 and bits >> OBSTACLE_BIN == 0) or seen[a, b] & BODY != 0:
+                    return True
     return False
 
 
@@ -134,11 +189,12 @@ def settle(
             bits = np.int64(heights[i, j])
             if bits == 0 or (i + 0.5 - camera_ij[0]) ** 2 + (j + 0.5 - camera_ij[1]) ** 2 > reach:
                 continue
-            shift = 0
+            first, shift = OBSTACLE_BIN, 0
             if seen[i, j] & STAIR != 0:
+                first = TREAD_TOP_BIN
                 shift = ground[i, j] - feet_bins
                 solid[i, j] = 0
-            first = min(max(OBSTACLE_BIN + shift, 0), 62)
+            first = min(max(first + shift, 0), 62)
             standing = bits >> first
             if standing != 0:
                 seen[i, j] |= HIT
