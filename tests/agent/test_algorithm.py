@@ -165,12 +165,17 @@ def test_a_stage_has_five_decisions() -> None:
     assert [event.decision for event in done.events(DecisionMade)[:5]] == [1, 2, 3, 4, 5]
 
 
-def test_three_turns_and_a_wall_block_the_stage() -> None:
-    corner = Pose(1.5, -1.3, 0.0, -math.pi / 2)  # 0.65 m to the wall ahead, 0.45 m to the one on the left
-    done = run([subtask_of((SOFA, BED), 0)], [TurnLeft()], AgentSettings(step_limit=18), start=corner)
-    first = done.events(StageEnded)[0].feedback
-    assert first.end is StageEnd.BLOCKED
-    assert len(first.record.decisions) == 3
+def test_a_stall_after_three_turns_blocks_the_stage() -> None:
+    done = run(
+        [subtask_of(CHAIN, 0)],
+        [TurnLeft(), TurnLeft(), TurnLeft(), MoveForward(0.25)],
+        AgentSettings(step_limit=18),
+        Glass(0.0),
+    )
+    feedback = done.events(StageEnded)[0].feedback
+    assert feedback.end is StageEnd.BLOCKED
+    assert [decision.stalled for decision in feedback.record.decisions] == [False, False, False, True]
+    assert len(done.executor.contexts) == 4
     assert done.events(ReplyRefused) == []
 
 

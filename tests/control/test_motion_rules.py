@@ -57,11 +57,10 @@ def test_forward_choices_are_multiples_up_to_the_longest() -> None:
 
 
 @pytest.mark.parametrize(
-    ("front_m", "longest_m"), [(0.49, None), (0.5, 0.25), (0.69, 0.25), (0.7, 0.5), (1.0, 0.75), (1.45, 1.25), (math.inf, 1.25)]
+    ("front_m", "longest_m"),
+    [(0.39, None), (0.4, 0.25), (0.49, 0.25), (0.64, 0.25), (0.65, 0.5), (1.0, 0.75), (1.4, 1.25), (100.0, 1.25)],
 )
 def test_forward_is_shortened_before_it_would_hit(front_m: float, longest_m: float | None) -> None:
-    if math.isinf(front_m):
-        front_m = 100.0
     choices = forward_choices(front_m, SPEC, SETTINGS)
     assert (choices[-1] if choices else None) == longest_m
 
@@ -121,7 +120,7 @@ def test_a_stalled_forward_after_three_turns_is_blocked() -> None:
     for _ in range(3):
         control.observe(did(TurnRight()))
     assert not control.admissible(OPEN).blocked
-    assert control.admissible(ObstacleDistances(0.4, 5, 5)).blocked
+    assert control.admissible(ObstacleDistances(0.3, 5, 5)).blocked
     control.observe(did(MoveForward(0.25), moved_m=0.0, stalled=True))
     assert control.admissible(OPEN).blocked
 
@@ -130,6 +129,8 @@ def test_a_turn_is_not_undone_at_once() -> None:
     control = AdmissibleActionControl(SPEC, SETTINGS)
     control.observe(did(TurnLeft()))
     assert (control.admissible(OPEN).left, control.admissible(OPEN).right) == (True, False)
+    recovery = control.admissible(ObstacleDistances(0.3, 5, 5))  # nothing else is left
+    assert (recovery.left, recovery.right) == (True, True)
     control.observe(did(MoveForward(0.5)))
     control.observe(did(TurnRight()))
     assert (control.admissible(OPEN).left, control.admissible(OPEN).right) == (False, True)

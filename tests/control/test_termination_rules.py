@@ -84,6 +84,12 @@ def test_a_metric_target_counts_without_a_landmark_only() -> None:
     assert arrival(SOFA, target_m=(0.0, 0.0, 0.0)).reached(HERE, 0, "", ()) is None
 
 
+def test_another_instance_than_the_one_meant_does_not_arrive() -> None:
+    watch = arrival(SOFA, target_m=(3.0, 0.0, 0.0))
+    assert watch.reached(HERE, 0, "", (candidate(),)) is None
+    assert watch.reached(Pose(1.5, 0), 0, "", (candidate(),)) is ArrivalKind.LANDMARK
+
+
 def test_a_floor_transition_is_reached_by_the_floor() -> None:
     watch = arrival(UPSTAIRS)
     assert watch.reached(HERE, 0, "stairs", (candidate(),)) is None

@@ -15,11 +15,8 @@ from spacevln.core import AdmissibleActions, EnvironmentSpec, ExecutedDecision, 
 def forward_choices(front_m: float, spec: EnvironmentSpec, settings: ControlSettings) -> tuple[float, ...]:
     """Forward distances that end before the obstacle in front [m], ascending.
 
-    Multiples of the step up to ``max_forward_m`` that leave ``stand_off_m``; none when the front is nearer than
-    ``traversable_m``, where the depth sensor sees no more.
+    Multiples of the step up to ``max_forward_m`` that leave ``stand_off_m``.
     """
-    if front_m < settings.traversable_m:
-        return ()
     room = math.floor((front_m - settings.stand_off_m) / spec.step_m + 1e-9)
     most = math.floor(spec.max_forward_m / spec.step_m + 1e-9)
     return tuple(spec.step_m * count for count in range(1, min(room, most) + 1))
@@ -31,7 +28,8 @@ class AdmissibleActionControl:
     - A forward is shortened, or masked, before it would hit.
     - After a stall forward is masked; the next effective motion, a turn included, lifts the mask.
     - After N_turn turns in a row only forward or STOP is left; an effective forward lifts it.
-    - A turn that would only undo the turn just made is masked: it brings back a view that was already judged.
+    - A turn that would only undo the turn just made is masked while forward is possible: to and fro gains nothing. With
+      forward masked, turning back is the recovery.
 
     What is left empty of forward and turns is ``blocked``, and the stage goes back to the planner.
     """
@@ -64,10 +62,10 @@ class AdmissibleActionControl:
         left = right = not self._turns.exhausted
         if self._turns.exhausted:
             reasons.append(f"turns are masked: {self._settings.consecutive_turns} turns were made in a row")
-        elif self._turns.reversal is Side.LEFT:
+        elif forward and self._turns.reversal is Side.LEFT:
             left = False
             reasons.append("left is masked: it would undo the turn just made")
-        elif self._turns.reversal is Side.RIGHT:
+        elif forward and self._turns.reversal is Side.RIGHT:
             right = False
             reasons.append("right is masked: it would undo the turn just made")
         return AdmissibleActions(forward_m=forward, left=left, right=right, reasons=tuple(reasons))

@@ -24,7 +24,8 @@ class StageArrival:
     The kind of the anchor decides which evidence counts:
 
     - a floor transition: the floor has changed since the stage began;
-    - a tracked landmark: its arrival flag in the landmark pool, which holds nothing but the landmark of this stage;
+    - a tracked landmark: its arrival flag in the landmark pool, which holds nothing but the landmark of this stage; with a
+      metric target also within ``meant_landmark_m`` of that, since another door is not the door that was meant;
     - a space without a landmark: entered during the stage, and at least ``past_opening_m`` inside;
     - a metric target without a landmark: within ``target_radius_m``.
 
@@ -49,10 +50,12 @@ class StageArrival:
         if anchor.space_kind is SpaceKind.FLOOR_TRANSITION:
             return ArrivalKind.FLOOR if floor != self._start_floor else None
         if self._subtask.landmark:
-            return ArrivalKind.LANDMARK if any(candidate.arrived for candidate in pool) else None
+            arrived = any(candidate.arrived for candidate in pool) and self._near_target(pose, self._settings.meant_landmark_m)
+            return ArrivalKind.LANDMARK if arrived else None
         if inside:
             return ArrivalKind.SPACE
-        return ArrivalKind.TARGET if self._at_target(pose) else None
+        at_target = self._subtask.target_m is not None and self._near_target(pose, self._settings.target_radius_m)
+        return ArrivalKind.TARGET if at_target else None
 
     def _inside_space(self, space: str, pose: Pose, region: str) -> bool:
         """Whether the body is ``past_opening_m`` from where it came into a region of this type during this stage."""
@@ -63,10 +66,9 @@ class StageArrival:
             self._entered_at = pose
         return self._entered_at.distance_m(pose.x_m, pose.y_m) >= self._settings.past_opening_m
 
-    def _at_target(self, pose: Pose) -> bool:
+    def _near_target(self, pose: Pose, radius_m: float) -> bool:
+        """Whether the metric target is this near and on this floor; True when there is none."""
         target = self._subtask.target_m
-        return (
-            target is not None
-            and pose.distance_m(target[0], target[1]) <= self._settings.target_radius_m
-            and abs(pose.z_m - target[2]) < self._settings.floor_change_m
-        )
+        if target is None:
+            return True
+        return pose.distance_m(target[0], target[1]) <= radius_m and abs(pose.z_m - target[2]) < self._settings.floor_change_m
