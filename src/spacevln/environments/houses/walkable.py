@@ -76,6 +76,7 @@ class Walkable:
 
     def __init__(self, house: House) -> None:
         self.house = house
+        self._regions = tuple(self._regions_of(floor.index) for floor in house.floors)
         self.floors = tuple(self._floor(floor.index) for floor in house.floors)
 
     def _floor(self, index: int) -> FloorSpace:
@@ -88,7 +89,7 @@ class Walkable:
         boxes, discs = item_shapes(items, house.floors[index].z_m)
         boxes = np.concatenate([wall_shapes(house, index), boxes])
         space = FloorSpace(index, (x0, y0), np.zeros((nx, ny), np.float32), boxes, discs)
-        for region in self._regions(index):
+        for region in self._regions[index]:
             space.clearance_m[space.cells_of(region)] = CAP_M
         for stairs in house.stairs:
             for share in self._foreign(stairs, index):
@@ -96,7 +97,7 @@ class Walkable:
         lower_clearance(space.clearance_m, x0, y0, RESOLUTION_M, boxes, discs, CAP_M)
         return space
 
-    def _regions(self, floor: int) -> list[Rect]:
+    def _regions_of(self, floor: int) -> list[Rect]:
         """Rectangles that together are the storey's floor, door sills included."""
         rooms = [rect for room in self.house.rooms if room.floor == floor for rect in room.rects]
         sills = [opening for opening in self.house.openings if opening.floor == floor and opening.kind != "window"]
@@ -150,7 +151,7 @@ class Walkable:
         if self.stairs_at(x, y, z) is not None:
             if abs(self.floor_height_m(x, y, z) - z) > _OFF_GROUND_M:
                 return 0.0
-        elif not any(rect.contains(x, y) for rect in self._regions(space.index)):
+        elif not any(rect.contains(x, y) for rect in self._regions[space.index]):
             return 0.0
         return float(clearance(x, y, space.boxes, space.discs, CAP_M))
 

@@ -1,0 +1,52 @@
+"""The shortest-path follower: the oracle that every route must be walkable for."""
+
+from __future__ import annotations
+
+import math
+
+from spacevln.core.actions import Action, MoveForward, Stop, TurnLeft, TurnRight
+from spacevln.core.geometry import Pose
+from spacevln.environments.houses.geodesics import Field
+from spacevln.environments.houses.motion import Body
+
+_PROGRESS_M = 0.005
+
+
+class ShortestPathFollower:
+    """Chooses the primitive that leads down a field of geodesic distances; knows the ground truth, for checks only.
+
+    Of the headings that turns can reach it takes the one whose next step really ends nearest to the goal, collisions and
+    sliding included; of equal ones the one with the fewest turns.
+
+    Args:
+        body: that will carry the actions out.
+        field: distances from the goal.
+        step_m, turn_deg: the primitives.
+        stop_m: STOP is due at this distance from the goal.
+    """
+
+    def __init__(self, body: Body, field: Field, *, step_m: float = 0.25, turn_deg: float = 30.0, stop_m: float = 0.25) -> None:
+        self._body = body
+        self._field = field
+        self._step_m = step_m
+        self._turn_deg = turn_deg
+        self._stop_m = stop_m
+
+    def action(self, pose: Pose) -> Action:
+        """The next primitive from a pose (scene frame); Stop at the goal, or where no step leads nearer to it."""
+        here = self._field.at(pose.x_m, pose.y_m, pose.z_m)
+        if here <= self._stop_m:
+            return Stop()
+        half = round(180.0 / self._turn_deg)
+        turns = sorted(range(-half + 1, half + 1), key=abs)
+        after = [self._after(pose.turned(math.radians(self._turn_deg * turn))) for turn in turns]
+        best = min(range(len(turns)), key=lambda k: round(after[k], 6))
+        if after[best] > here - _PROGRESS_M:
+            return Stop()
+        if turns[best] == 0:
+            return MoveForward(self._step_m)
+        return TurnLeft(self._turn_deg) if turns[best] > 0 else TurnRight(self._turn_deg)
+
+    def _after(self, pose: Pose) -> float:
+        reached, _ = self._body.forward(pose, self._step_m)
+        return self._field.at(reached.x_m, reached.y_m, reached.z_m)
