@@ -7,6 +7,8 @@ from spacevln.environments.houses.furniture import (
     beds,
     decor,
     electronics,
+    garage,
+    hangings,
     kitchen,
     leisure,
     seating,
@@ -20,7 +22,7 @@ from spacevln.environments.houses.furniture.kit import CATALOGUE, Design, Kind, 
 # the recipes look categories up, so the builders above come first
 from spacevln.environments.houses.furniture.furnish import RECIPES, furnish
 
-_BUILDERS = (bathroom, beds, decor, electronics, kitchen, leisure, seating, shapes, storage, tables)
+_BUILDERS = (bathroom, beds, decor, electronics, garage, hangings, kitchen, leisure, seating, shapes, storage, tables)
 """Imported for what they register."""
 
 __all__ = ["CATALOGUE", "RECIPES", "Design", "Kind", "Look", "design", "furnish"]

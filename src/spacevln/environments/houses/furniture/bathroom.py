@@ -6,11 +6,9 @@ import numpy as np
 
 from spacevln.environments.houses.furniture.kit import Kit, Look, fabrics, kind, looks
 
-Rng = np.random.Generator
-
 
 @kind("toilet", looks(("white", "gloss-white", "gloss-silver"), ("beige", "gloss-beige", "gloss-gold")))
-def toilet(k: Kit, look: Look, rng: Rng) -> None:
+def _toilet(k: Kit, look: Look) -> None:
     m = look.main
     k.mesh("cushion", m, 0.26, 0.46, 0.36, y=0.0)
     k.mesh("bowlseat", m, 0.38, 0.5, 0.22, y=0.1, z=0.2)
@@ -23,7 +21,7 @@ def toilet(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("bathtub", looks(("white", "gloss-white", "gloss-silver"), ("blue", "gloss-sky", "gloss-silver")))
-def bathtub(k: Kit, look: Look, rng: Rng) -> None:
+def _bathtub(k: Kit, look: Look) -> None:
     w, d = 1.66, 0.78
     k.mesh("tub", look.main, w, d, 0.56, z=0.02)
     k.mesh("tub", "gloss-water", w * 0.8, d * 0.8, 0.1, z=0.24)
@@ -35,8 +33,8 @@ def bathtub(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("shower", looks(("glass", "gloss-white", "gloss-silver"), ("black glass", "plain-charcoal", "gloss-black")))
-def shower(k: Kit, look: Look, rng: Rng) -> None:
-    w = 0.92
+def _shower(k: Kit, look: Look) -> None:
+    w = 0.92 if k.rng.random() < 0.7 else 0.8
     k.box(look.main, w, w, 0.1)
     k.box("plain-gray", 0.1, 0.1, 0.004, z=0.1)
     k.box("mosaic-sky", w, 0.03, 2.0, y=-w / 2 + 0.015, z=0.1)
@@ -54,9 +52,18 @@ def shower(k: Kit, look: Look, rng: Rng) -> None:
     k.box(look.trim, 0.16, 0.04, 0.04, y=-w / 2 + 0.05, z=1.1)
 
 
-@kind("bathroom sink", looks(("white", "plain-white", "marble-white"), ("brown wooden", "wood-walnut", "marble-white"), ("gray", "plain-gray", "marble-white"), ("blue", "plain-navy", "marble-beige")), top_m=0.84)
-def bathroom_sink(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = 0.8, 0.48
+@kind(
+    "bathroom sink",
+    looks(
+        ("white", "plain-white", "marble-white"),
+        ("brown wooden", "wood-walnut", "marble-white"),
+        ("gray", "plain-gray", "marble-white"),
+        ("blue", "plain-navy", "marble-beige"),
+    ),
+    top_m=0.84,
+)
+def _bathroom_sink(k: Kit, look: Look) -> None:
+    w, d = (0.8 if k.rng.random() < 0.7 else 0.62), 0.48
     k.box("plain-black", w - 0.08, d - 0.08, 0.08)
     k.box(look.main, w, d - 0.03, 0.72, y=-0.015, z=0.08)
     k.fronts(look.main, "gloss-silver", w - 0.02, 0.66, d / 2 - 0.02, 0.1, 2, 1)
@@ -64,14 +71,14 @@ def bathroom_sink(k: Kit, look: Look, rng: Rng) -> None:
     k.mesh("basin", "gloss-white", 0.46, 0.36, 0.14, y=0.02, z=0.82)
     k.rod("gloss-silver", 0.018, 0.24, y=-0.19, z=0.84)
     k.bar("gloss-silver", 0.016, 0.13, y=-0.13, z=1.07, along="y")
-    k.mesh("bottle", "gloss-teal", 0.06, 0.06, 0.16, x=0.31, y=-0.08, z=0.84)
-    k.rod("gloss-white", 0.035, 0.09, x=-0.31, y=-0.06, z=0.84)
-    k.rod("plain-red", 0.007, 0.17, x=-0.31, y=-0.06, z=0.86, turn=(0.15, 0.15, 0))
-    k.rod("plain-blue", 0.007, 0.17, x=-0.32, y=-0.05, z=0.86, turn=(-0.1, -0.15, 0))
+    k.mesh("bottle", "gloss-teal", 0.06, 0.06, 0.16, x=w / 2 - 0.07, y=-0.14, z=0.84)
+    k.rod("gloss-white", 0.035, 0.09, x=-w / 2 + 0.07, y=-0.14, z=0.84)
+    k.rod("plain-red", 0.007, 0.17, x=-w / 2 + 0.07, y=-0.14, z=0.86, turn=(0.15, 0.15, 0))
+    k.rod("plain-blue", 0.007, 0.17, x=-w / 2 + 0.065, y=-0.13, z=0.86, turn=(-0.1, -0.15, 0))
 
 
 @kind("towel", fabrics("white", "blue", "red", "green", "yellow", "pink", trim="gloss-silver", material="towel"), stand="wall")
-def towel(k: Kit, look: Look, rng: Rng) -> None:
+def _towel(k: Kit, look: Look) -> None:
     k.bar(look.trim, 0.012, 0.6, y=0.03, z=0.7)
     for s in (-1, 1):
         k.bar(look.trim, 0.016, 0.08, x=s * 0.29, y=0.0, z=0.7, along="y")
@@ -80,8 +87,16 @@ def towel(k: Kit, look: Look, rng: Rng) -> None:
     k.box("plain-white" if look.words[0] != "white" else "plain-sky", 0.422, 0.032, 0.05, y=0.05, z=0.12)
 
 
-@kind("washing machine", looks(("white", "plain-white", "gloss-silver"), ("silver metal", "brushed-silver", "gloss-charcoal"), ("black", "plain-charcoal", "gloss-silver")), top_m=0.86)
-def washing_machine(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "washing machine",
+    looks(
+        ("white", "plain-white", "gloss-silver"),
+        ("silver metal", "brushed-silver", "gloss-charcoal"),
+        ("black", "plain-charcoal", "gloss-silver"),
+    ),
+    top_m=0.86,
+)
+def _washing_machine(k: Kit, look: Look) -> None:
     w, d, h = 0.62, 0.6, 0.86
     k.box(look.main, w, d - 0.04, h, y=-0.02)
     y = d / 2 - 0.04
@@ -94,8 +109,16 @@ def washing_machine(k: Kit, look: Look, rng: Rng) -> None:
     k.box("gloss-teal", 0.12, 0.02, 0.05, x=-0.2, y=y + 0.003, z=0.74)
 
 
-@kind("dryer", looks(("white", "plain-white", "gloss-silver"), ("silver metal", "brushed-silver", "gloss-charcoal"), ("black", "plain-charcoal", "gloss-silver")), top_m=0.86)
-def dryer(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "dryer",
+    looks(
+        ("white", "plain-white", "gloss-silver"),
+        ("silver metal", "brushed-silver", "gloss-charcoal"),
+        ("black", "plain-charcoal", "gloss-silver"),
+    ),
+    top_m=0.86,
+)
+def _dryer(k: Kit, look: Look) -> None:
     w, d, h = 0.62, 0.6, 0.86
     y = d / 2 - 0.04
     k.box(look.main, w, d - 0.04, h, y=-0.02)
@@ -110,8 +133,15 @@ def dryer(k: Kit, look: Look, rng: Rng) -> None:
         k.box("plain-gray", 0.3, 0.008, 0.012, y=y + 0.003, z=0.08 + i * 0.03)
 
 
-@kind("ironing board", looks(("blue", "fabric-blue", "gloss-silver"), ("striped", "striped-red", "gloss-silver"), ("gray", "fabric-gray", "gloss-silver")))
-def ironing_board(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "ironing board",
+    looks(
+        ("blue", "fabric-blue", "gloss-silver"),
+        ("striped", "striped-red", "gloss-silver"),
+        ("gray", "fabric-gray", "gloss-silver"),
+    ),
+)
+def _ironing_board(k: Kit, look: Look) -> None:
     w, d = 1.24, 0.38
     k.mesh("cushion", look.main, w, d, 0.06, z=0.84)
     for s in (-1, 1):

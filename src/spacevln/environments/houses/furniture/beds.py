@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from spacevln.environments.houses.furniture.kit import Kit, Look, kind, looks, woods
-
-Rng = np.random.Generator
 
 
 @kind(
@@ -22,21 +18,29 @@ Rng = np.random.Generator
         ("purple", "fabric-purple", "plain-black"),
     ),
 )
-def bed(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = float(rng.choice([1.4, 1.6])), 2.08
+def _bed(k: Kit, look: Look) -> None:
+    w, d = float(k.rng.choice([1.4, 1.6])), 2.08
     k.box(look.trim, w + 0.08, 0.07, 1.1, y=-d / 2 + 0.035)
     k.box(look.trim, w + 0.04, d - 0.08, 0.24, y=0.03, z=0.08)
     k.box(look.trim, w + 0.06, 0.05, 0.46, y=d / 2 - 0.025)
     k.box("plain-white", w - 0.04, d - 0.16, 0.18, z=0.3)
-    k.mesh("cushion", look.main, w + 0.06, d - 0.62, 0.22, y=0.26, z=0.33)
+    k.box(look.main, w + 0.05, d - 0.64, 0.17, y=0.25, z=0.33)
+    k.mesh("cushion", look.main, w + 0.05, d - 0.62, 0.12, y=0.25, z=0.44)
     k.box("plain-white", w + 0.02, 0.22, 0.05, y=-0.38, z=0.49)
     for s in (-1, 1):
         k.mesh("pillow", "fabric-white", w / 2 - 0.1, 0.42, 0.2, x=s * w / 4, y=-d / 2 + 0.36, z=0.46, turn=(0.35, 0, 0))
         k.mesh("pillow", look.main, w / 2 - 0.28, 0.3, 0.16, x=s * w / 4, y=-d / 2 + 0.55, z=0.48, turn=(0.6, 0, 0))
 
 
-@kind("bunk bed", looks(("brown wooden", "wood-pine", "fabric-blue"), ("white", "plain-white", "fabric-red"), ("gray metal", "plain-charcoal", "fabric-green")))
-def bunk_bed(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "bunk bed",
+    looks(
+        ("brown wooden", "wood-pine", "fabric-blue"),
+        ("white", "plain-white", "fabric-red"),
+        ("gray metal", "plain-charcoal", "fabric-green"),
+    ),
+)
+def _bunk_bed(k: Kit, look: Look) -> None:
     w, d = 2.0, 0.96
     k.legs(look.main, w, d, 1.72, 0.07)
     for z in (0.3, 1.2):
@@ -52,7 +56,7 @@ def bunk_bed(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("crib", woods("white", "oak", "gray"))
-def crib(k: Kit, look: Look, rng: Rng) -> None:
+def _crib(k: Kit, look: Look) -> None:
     w, d = 1.24, 0.68
     k.legs(look.main, w, d, 0.95, 0.05)
     k.box(look.main, w - 0.06, d - 0.06, 0.05, z=0.32)
@@ -68,7 +72,7 @@ def crib(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("nightstand", woods("oak", "walnut", "white", "black", "cherry"), top_m=0.55)
-def nightstand(k: Kit, look: Look, rng: Rng) -> None:
+def _nightstand(k: Kit, look: Look) -> None:
     w, d = 0.46, 0.4
     k.legs(look.trim, w, d, 0.12, 0.05)
     k.box(look.main, w, d - 0.03, 0.4, y=-0.015, z=0.12)
@@ -77,8 +81,8 @@ def nightstand(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("dresser", woods("oak", "walnut", "white", "black", "cherry", "gray"), top_m=0.86)
-def dresser(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = float(rng.choice([1.1, 1.3])), 0.46
+def _dresser(k: Kit, look: Look) -> None:
+    w, d = float(k.rng.choice([1.1, 1.3])), 0.46
     k.legs(look.trim, w, d, 0.1, 0.06)
     k.box(look.main, w, d - 0.04, 0.72, y=-0.02, z=0.1)
     k.box(look.main, w + 0.04, d, 0.04, z=0.82)
@@ -86,8 +90,8 @@ def dresser(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("wardrobe", woods("oak", "walnut", "white", "cherry"))
-def wardrobe(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = float(rng.choice([1.1, 1.4])), 0.58
+def _wardrobe(k: Kit, look: Look) -> None:
+    w, d = float(k.rng.choice([1.1, 1.4])), 0.58
     k.box("plain-black", w - 0.06, d - 0.06, 0.08)
     k.box(look.main, w, d - 0.04, 1.86, y=-0.02, z=0.08)
     k.box(look.main, w + 0.06, d, 0.06, z=1.94)
@@ -95,7 +99,7 @@ def wardrobe(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("vanity table", woods("white", "oak", "black"), top_m=0.75)
-def vanity_table(k: Kit, look: Look, rng: Rng) -> None:
+def _vanity_table(k: Kit, look: Look) -> None:
     w, d = 0.95, 0.42
     k.legs(look.trim, w, d, 0.6, 0.045)
     k.box(look.main, w, d, 0.15, z=0.6)

@@ -4,29 +4,50 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacevln.environments.houses.furniture.kit import Kit, Look, fabrics, kind, looks, woods
+from spacevln.environments.houses.furniture.kit import Kit, Look, fabrics, kind, looks
 
-Rng = np.random.Generator
 HALF_PI = np.pi / 2
 
 
-@kind("floor lamp", looks(("black", "plain-black", "glow-lamp"), ("gold metal", "gloss-brass", "glow-lamp"), ("white", "plain-white", "glow-lamp"), ("brown wooden", "wood-walnut", "glow-lamp")))
-def floor_lamp(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "floor lamp",
+    looks(
+        ("black", "plain-black", "glow-lamp"),
+        ("gold metal", "gloss-brass", "glow-lamp"),
+        ("white", "plain-white", "glow-lamp"),
+        ("brown wooden", "wood-walnut", "glow-lamp"),
+    ),
+)
+def _floor_lamp(k: Kit, look: Look) -> None:
     k.rod(look.main, 0.15, 0.03)
     k.rod(look.main, 0.016, 1.36, z=0.03)
     k.mesh("shade", look.trim, 0.4, 0.4, 0.28, z=1.36)
 
 
-@kind("table lamp", looks(("white", "gloss-white", "glow-lamp"), ("blue", "gloss-blue", "glow-lamp"), ("gold", "gloss-gold", "glow-lamp"), ("green", "gloss-green", "glow-lamp"), ("red", "gloss-red", "glow-lamp")), stand="top")
-def table_lamp(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "table lamp",
+    looks(
+        ("white", "gloss-white", "glow-lamp"),
+        ("blue", "gloss-blue", "glow-lamp"),
+        ("gold", "gloss-gold", "glow-lamp"),
+        ("green", "gloss-green", "glow-lamp"),
+        ("red", "gloss-red", "glow-lamp"),
+    ),
+    stand="top",
+)
+def _table_lamp(k: Kit, look: Look) -> None:
     k.rod(look.main, 0.07, 0.02)
     k.mesh("vase", look.main, 0.15, 0.15, 0.22, z=0.02)
     k.rod("gloss-brass", 0.012, 0.08, z=0.22)
     k.mesh("shade", look.trim, 0.3, 0.3, 0.19, z=0.26)
 
 
-@kind("desk lamp", looks(("black", "plain-black", "glow-lamp"), ("red", "gloss-red", "glow-lamp"), ("white", "gloss-white", "glow-lamp")), stand="top")
-def desk_lamp(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "desk lamp",
+    looks(("black", "plain-black", "glow-lamp"), ("red", "gloss-red", "glow-lamp"), ("white", "gloss-white", "glow-lamp")),
+    stand="top",
+)
+def _desk_lamp(k: Kit, look: Look) -> None:
     k.rod(look.main, 0.08, 0.025)
     k.rod(look.main, 0.012, 0.3, y=-0.05, z=0.01, turn=(0.35, 0, 0))
     k.rod(look.main, 0.012, 0.26, y=-0.01, z=0.25, turn=(-1.0, 0, 0))
@@ -35,13 +56,19 @@ def desk_lamp(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("ceiling lamp", looks(("white", "glow-lamp", "plain-white"), ("gold", "glow-lamp", "gloss-gold")), stand="ceiling")
-def ceiling_lamp(k: Kit, look: Look, rng: Rng) -> None:
+def _ceiling_lamp(k: Kit, look: Look) -> None:
     k.rod(look.trim, 0.2, 0.03, z=0.09)
     k.mesh("pillow", look.main, 0.38, 0.38, 0.16, z=0.0)
 
 
-@kind("chandelier", looks(("gold", "gloss-gold", "glow-lamp"), ("black metal", "plain-black", "glow-lamp"), ("silver", "gloss-silver", "glow-lamp")), stand="ceiling")
-def chandelier(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "chandelier",
+    looks(
+        ("gold", "gloss-gold", "glow-lamp"), ("black metal", "plain-black", "glow-lamp"), ("silver", "gloss-silver", "glow-lamp")
+    ),
+    stand="ceiling",
+)
+def _chandelier(k: Kit, look: Look) -> None:
     k.rod(look.main, 0.07, 0.03, z=0.6)
     k.rod(look.main, 0.012, 0.5, z=0.12)
     k.mesh("turned", look.main, 0.1, 0.1, 0.24, z=0.04)
@@ -54,8 +81,12 @@ def chandelier(k: Kit, look: Look, rng: Rng) -> None:
     k.mesh("thinring", look.main, 0.5, 0.025, 0.5, z=-0.16, turn=(HALF_PI, 0, 0))
 
 
-@kind("ceiling fan", looks(("brown wooden", "wood-walnut", "gloss-brass"), ("white", "plain-white", "gloss-silver")), stand="ceiling")
-def ceiling_fan(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "ceiling fan",
+    looks(("brown wooden", "wood-walnut", "gloss-brass"), ("white", "plain-white", "gloss-silver")),
+    stand="ceiling",
+)
+def _ceiling_fan(k: Kit, look: Look) -> None:
     k.rod(look.trim, 0.08, 0.04, z=0.38)
     k.rod(look.trim, 0.016, 0.2, z=0.2)
     k.rod(look.trim, 0.11, 0.1, z=0.12)
@@ -65,8 +96,18 @@ def ceiling_fan(k: Kit, look: Look, rng: Rng) -> None:
         k.box(look.main, 0.5, 0.13, 0.012, x=0.36 * np.cos(a), y=0.36 * np.sin(a), z=0.16, turn=(0, 0, float(a)))
 
 
-@kind("potted plant", looks(("green", "terracotta", "plant"), ("white", "white", "palm"), ("blue", "blue", "snakeplant"), ("black", "black", "plant"), ("tall", "gray", "palm"), ("small", "yellow", "snakeplant")))
-def potted_plant(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "potted plant",
+    looks(
+        ("green", "terracotta", "plant"),
+        ("white", "white", "palm"),
+        ("blue", "blue", "snakeplant"),
+        ("black", "black", "plant"),
+        ("tall", "gray", "palm"),
+        ("small", "yellow", "snakeplant"),
+    ),
+)
+def _potted_plant(k: Kit, look: Look) -> None:
     tall = look.trim == "palm"
     h = 1.05 if tall else 0.72
     k.mesh("pot", f"plain-{look.main}", 0.36, 0.36, 0.34)
@@ -76,8 +117,17 @@ def potted_plant(k: Kit, look: Look, rng: Rng) -> None:
     k.mesh(look.trim, "foliage-leaf", 0.9 if tall else 0.66, 0.9 if tall else 0.66, h, z=0.6 if tall else 0.3)
 
 
-@kind("flowers", looks(("red", "gloss-white", "plain-red"), ("yellow", "gloss-blue", "plain-yellow"), ("white", "gloss-glass", "plain-white"), ("pink", "gloss-teal", "plain-pink")), stand="top")
-def flowers(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "flowers",
+    looks(
+        ("red", "gloss-white", "plain-red"),
+        ("yellow", "gloss-blue", "plain-yellow"),
+        ("white", "gloss-glass", "plain-white"),
+        ("pink", "gloss-teal", "plain-pink"),
+    ),
+    stand="top",
+)
+def _flowers(k: Kit, look: Look) -> None:
     k.mesh("vase", look.main, 0.14, 0.14, 0.22)
     k.mesh("flowers", "foliage-leaf", 0.3, 0.3, 0.3, z=0.18)
     for i in range(9):
@@ -85,14 +135,20 @@ def flowers(k: Kit, look: Look, rng: Rng) -> None:
         k.ball(look.trim, 0.075, 0.075, 0.06, x=r * np.cos(a), y=r * np.sin(a), z=0.43 - 0.013 * i)
 
 
-@kind("vase", looks(("blue", "gloss-blue"), ("white", "gloss-white"), ("red", "gloss-red"), ("green", "gloss-teal"), ("gold", "gloss-gold")), stand="top")
-def vase(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "vase",
+    looks(
+        ("blue", "gloss-blue"), ("white", "gloss-white"), ("red", "gloss-red"), ("green", "gloss-teal"), ("gold", "gloss-gold")
+    ),
+    stand="top",
+)
+def _vase(k: Kit, look: Look) -> None:
     k.mesh("vase", look.main, 0.2, 0.2, 0.36)
     k.mesh("thinring", "gloss-gold", 0.2, 0.02, 0.2, z=0.06, turn=(HALF_PI, 0, 0))
 
 
 @kind("candle", looks(("white", "plain-ivory", "gloss-brass"), ("red", "plain-red", "gloss-brass")), stand="top")
-def candle(k: Kit, look: Look, rng: Rng) -> None:
+def _candle(k: Kit, look: Look) -> None:
     for x, h in ((-0.08, 0.16), (0.0, 0.24), (0.08, 0.12)):
         k.rod(look.trim, 0.04, 0.02, x=x)
         k.rod(look.main, 0.026, h, x=x, z=0.02)
@@ -100,16 +156,30 @@ def candle(k: Kit, look: Look, rng: Rng) -> None:
         k.mesh("pillow", "glow-flame", 0.02, 0.02, 0.045, x=x, z=h + 0.03)
 
 
-@kind("statue", looks(("white marble", "marble-white", "marble-white"), ("black", "plain-charcoal", "marble-white"), ("gold", "gloss-gold", "marble-gray")))
-def statue(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "statue",
+    looks(
+        ("white marble", "marble-white", "marble-white"),
+        ("black", "plain-charcoal", "marble-white"),
+        ("gold", "gloss-gold", "marble-gray"),
+    ),
+)
+def _statue(k: Kit, look: Look) -> None:
     k.box(look.trim, 0.38, 0.38, 0.06)
     k.mesh("column", look.trim, 0.34, 0.34, 0.84, z=0.06)
     k.mesh("bust", look.main, 0.36, 0.24, 0.54, z=0.9)
     k.mesh("cone", look.main, 0.05, 0.08, 0.09, y=0.07, z=1.27, turn=(-0.3, 0, 0))
 
 
-@kind("fireplace", looks(("red brick", "brick-terracotta", "wood-walnut"), ("white marble", "marble-white", "marble-white"), ("gray stone", "stone-gray", "wood-oak")))
-def fireplace(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "fireplace",
+    looks(
+        ("red brick", "brick-terracotta", "wood-walnut"),
+        ("white marble", "marble-white", "marble-white"),
+        ("gray stone", "stone-gray", "wood-oak"),
+    ),
+)
+def _fireplace(k: Kit, look: Look) -> None:
     w, d = 1.5, 0.46
     for s in (-1, 1):
         k.box(look.main, 0.36, d - 0.06, 1.05, x=s * (w / 2 - 0.2), y=-0.03)
@@ -123,115 +193,55 @@ def fireplace(k: Kit, look: Look, rng: Rng) -> None:
     k.box(look.main, 0.9, 0.28, 1.3, y=-0.08, z=1.12)
 
 
-@kind("mirror", looks(("gold", "gloss-gold"), ("black", "plain-black"), ("white", "plain-white"), ("brown wooden", "wood-walnut"), ("round gold", "gloss-gold", "plain-black", 1)), stand="wall")
-def mirror(k: Kit, look: Look, rng: Rng) -> None:
-    if look.variant:
-        k.bar(look.main, 0.36, 0.03, z=0.36, y=-0.005, along="y")
-        k.ball("mirror-1", 0.66, 0.04, 0.66, z=0.03, y=0.004)
-        return
-    w, h = 0.62, 0.95
-    k.box(look.main, w, 0.03, h)
-    k.box(look.main, w - 0.04, 0.04, h - 0.04, z=0.02)
-    k.box("mirror-0", w - 0.1, 0.046, h - 0.1, z=0.05)
-
-
-def _paintings() -> tuple[Look, ...]:
-    frames = (("gold", "gloss-gold"), ("black", "plain-black"), ("white", "plain-white"), ("brown wooden", "wood-walnut"))
-    return tuple(Look((word,) if " " not in word else tuple(word.split()), stuff, f"painting-{i * 4 + j}", i * 4 + j) for i in range(3) for j, (word, stuff) in enumerate(frames))
-
-
-@kind("painting", _paintings(), stand="wall")
-def painting(k: Kit, look: Look, rng: Rng) -> None:
-    upright = look.variant % 6 >= 4
-    square = look.variant % 6 in (2, 3)
-    w, h = (0.58, 0.74) if upright else (0.78, 0.78) if square else (1.0, 0.76)
-    k.box(look.main, w, 0.03, h)
-    k.box("plain-ivory", w - 0.07, 0.036, h - 0.07, z=0.035)
-    k.box(look.trim, w - 0.12, 0.042, h - 0.12, z=0.06)
-
-
-@kind("poster", looks(("blue", "poster-0"), ("red", "poster-1"), ("green", "poster-2")), stand="wall")
-def poster(k: Kit, look: Look, rng: Rng) -> None:
-    k.box(look.main, 0.6, 0.01, 0.85)
-
-
-@kind("clock", looks(("black", "plain-black", "clock-0"), ("white", "plain-white", "clock-3"), ("gold", "gloss-gold", "clock-5"), ("red", "gloss-red", "clock-7")), stand="wall")
-def clock(k: Kit, look: Look, rng: Rng) -> None:
-    k.bar(look.main, 0.21, 0.04, z=0.21, along="y")
-    k.ball(look.trim, 0.37, 0.06, 0.37, y=0.005, z=0.025)
-
-
-@kind("calendar", looks(("white", "calendar-0"), ("white", "calendar-1")), stand="wall")
-def calendar(k: Kit, look: Look, rng: Rng) -> None:
-    k.box(look.main, 0.34, 0.01, 0.48)
-    k.box("gloss-charcoal", 0.3, 0.016, 0.015, z=0.47)
-
-
-@kind("exit sign", looks(("red", "exitsign-0")), stand="wall")
-def exit_sign(k: Kit, look: Look, rng: Rng) -> None:
-    k.box("plain-white", 0.46, 0.06, 0.25)
-    k.box(look.main, 0.44, 0.07, 0.23, z=0.01)
-
-
-@kind("dartboard", looks(("black", "dartboard-0")), stand="wall")
-def dartboard(k: Kit, look: Look, rng: Rng) -> None:
-    k.bar("plain-black", 0.25, 0.04, z=0.25, along="y")
-    k.ball(look.main, 0.49, 0.06, 0.49, y=0.005, z=0.005)
-    for x, z in ((0.05, 0.31), (-0.08, 0.2)):
-        k.bar("gloss-yellow", 0.008, 0.14, x=x, y=0.09, z=z, along="y")
-
-
-@kind("wall shelf", woods("oak", "white", "walnut", "black"), stand="wall")
-def wall_shelf(k: Kit, look: Look, rng: Rng) -> None:
-    w = 0.9
-    k.box(look.main, w, 0.22, 0.03)
-    for s in (-1, 1):
-        k.box(look.main, 0.03, 0.16, 0.1, x=s * (w / 2 - 0.12), y=-0.03, z=-0.1)
-    k.box("books-2", 0.4, 0.15, 0.22, x=-0.2, z=0.03)
-    k.mesh("pot", "plain-terracotta", 0.13, 0.13, 0.12, x=0.22, z=0.03)
-    k.mesh("plant", "foliage-leaf", 0.24, 0.2, 0.22, x=0.22, z=0.13)
-    k.mesh("vase", "gloss-teal", 0.09, 0.09, 0.17, x=0.38, z=0.03)
-
-
-@kind("curtain", fabrics("white", "blue", "red", "beige", "gray", "green", "burgundy", trim="gloss-brass", material="fabric"), stand="wall")
-def curtain(k: Kit, look: Look, rng: Rng) -> None:
-    w, h = 1.9, 2.2
-    k.bar(look.trim, 0.016, w + 0.06, y=0.04, z=h)
-    for s in (-1, 1):
-        k.ball(look.trim, 0.06, 0.06, 0.06, x=s * (w / 2 + 0.03), y=0.04, z=h - 0.03)
-        k.mesh("curtain", look.main, 0.34, 0.1, h - 0.05, x=s * (w / 2 - 0.17), y=0.04, z=0.02)
-
-
-@kind("rug", looks(("red", "rug-0"), ("blue", "rug-1"), ("gray", "rug-2"), ("green", "rug-3"), ("white", "carpet-white"), ("beige", "carpet-beige")), stand="flat")
-def rug(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "rug",
+    looks(
+        ("red", "rug-0"),
+        ("blue", "rug-1"),
+        ("gray", "rug-2"),
+        ("green", "rug-3"),
+        ("white", "carpet-white"),
+        ("beige", "carpet-beige"),
+    ),
+    stand="flat",
+)
+def _rug(k: Kit, look: Look) -> None:
     k.box(look.main, 2.1, 1.5, 0.014)
     for s in (-1, 1):
         k.box("plain-ivory", 0.05, 1.48, 0.008, x=s * 1.07)
 
 
 @kind("round rug", looks(("blue", "roundrug-0"), ("red", "roundrug-1")), stand="flat")
-def round_rug(k: Kit, look: Look, rng: Rng) -> None:
+def _round_rug(k: Kit, look: Look) -> None:
     k.rod(look.main, 0.8, 0.014)
 
 
-@kind("doormat", looks(("brown", "carpet-brown", "plain-chocolate"), ("gray", "carpet-gray", "plain-charcoal"), ("green", "carpet-olive", "plain-green")), stand="flat")
-def doormat(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "doormat",
+    looks(
+        ("brown", "carpet-brown", "plain-chocolate"),
+        ("gray", "carpet-gray", "plain-charcoal"),
+        ("green", "carpet-olive", "plain-green"),
+    ),
+    stand="flat",
+)
+def _doormat(k: Kit, look: Look) -> None:
     k.box(look.trim, 0.8, 0.5, 0.01)
     k.box(look.main, 0.72, 0.42, 0.015)
 
 
 @kind("bath mat", fabrics("white", "blue", "green", "pink", "gray", material="carpet"), stand="flat")
-def bath_mat(k: Kit, look: Look, rng: Rng) -> None:
+def _bath_mat(k: Kit, look: Look) -> None:
     k.mesh("cushion", look.main, 0.8, 0.5, 0.03)
 
 
 @kind("runner rug", looks(("red", "rug-0"), ("blue", "rug-1"), ("gray", "rug-2")), stand="flat")
-def runner_rug(k: Kit, look: Look, rng: Rng) -> None:
+def _runner_rug(k: Kit, look: Look) -> None:
     k.box(look.main, 1.9, 0.7, 0.012)
 
 
 @kind("column", looks(("white", "plain-white"), ("gray marble", "marble-silver"), ("beige stone", "stone-beige")))
-def column(k: Kit, look: Look, rng: Rng) -> None:
+def _column(k: Kit, look: Look) -> None:
     h = 2.4
     k.box(look.main, 0.36, 0.36, 0.1)
     k.mesh("column", look.main, 0.34, 0.34, h - 0.18, z=0.1)

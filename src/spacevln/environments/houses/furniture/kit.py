@@ -39,8 +39,9 @@ class Look:
 
 @dataclass(slots=True)
 class Kit:
-    """Collects the parts of one item; lengths are full sizes, ``z`` is the lower edge."""
+    """Collects the parts of one item; lengths are full sizes, ``z`` is the lower edge, ``rng`` chooses proportions."""
 
+    rng: np.random.Generator
     parts: list[Part] = field(default_factory=list)
 
     def _add(self, shape: PartShape, stuff: str, size: Size, x: float, y: float, z: float, turn: Size, mesh: str = "") -> None:
@@ -92,7 +93,7 @@ class Kit:
                     self.box(knob, min(0.14, cell_w * 0.3), 0.03, 0.018, x, y + 0.02, z + (j + 0.5) * cell_h)
 
 
-Builder = Callable[[Kit, Look, np.random.Generator], None]
+Builder = Callable[[Kit, Look], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +123,9 @@ class Kind:
 CATALOGUE: dict[str, Kind] = {}
 
 
-def kind(category: str, looks: tuple[Look, ...], stand: Stand = "floor", top_m: float | None = None) -> Callable[[Builder], Builder]:
+def kind(
+    category: str, looks: tuple[Look, ...], stand: Stand = "floor", top_m: float | None = None
+) -> Callable[[Builder], Builder]:
     """Register a builder under its category."""
 
     def register(build: Builder) -> Builder:
@@ -162,14 +165,16 @@ def design(category: str, look: int, form: int = 0) -> Design:
         raise UnknownNameError("furniture category", category, CATALOGUE)
     made = CATALOGUE[category]
     variant = made.looks[look % len(made.looks)]
-    kit = Kit()
-    made.build(kit, variant, np.random.default_rng([form, 5]))
+    kit = Kit(np.random.default_rng([form, 5]))
+    made.build(kit, variant)
     points = [part_triangles(part).points for part in kit.parts]
     low = np.min([p.min(axis=0) for p in points], axis=0)
     high = np.max([p.max(axis=0) for p in points], axis=0)
     dx, dy, dz = (-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2, -low[2])
     parts = tuple(
-        replace(part, position=(round(part.position[0] + dx, 5), round(part.position[1] + dy, 5), round(part.position[2] + dz, 5)))
+        replace(
+            part, position=(round(part.position[0] + dx, 5), round(part.position[1] + dy, 5), round(part.position[2] + dz, 5))
+        )
         for part in kit.parts
     )
     width, depth, height = (round(float(extent), 4) for extent in high - low)

@@ -6,7 +6,6 @@ import numpy as np
 
 from spacevln.environments.houses.furniture.kit import Kit, Look, kind, looks
 
-Rng = np.random.Generator
 COUNTERS = looks(
     ("white marble", "plain-white", "marble-white"),
     ("brown wooden", "wood-oak", "marble-beige"),
@@ -27,15 +26,15 @@ def _base(k: Kit, look: Look, w: float, doors: int = 1) -> None:
 
 
 @kind("kitchen counter", COUNTERS, top_m=0.9)
-def kitchen_counter(k: Kit, look: Look, rng: Rng) -> None:
-    _base(k, look, 0.8, 2)
+def _kitchen_counter(k: Kit, look: Look) -> None:
+    _base(k, look, 0.8 if k.rng.random() < 0.7 else 0.56, 2)
 
 
 @kind("kitchen sink", COUNTERS)
-def kitchen_sink(k: Kit, look: Look, rng: Rng) -> None:
-    w = 0.8
+def _kitchen_sink(k: Kit, look: Look) -> None:
+    w = 0.8 if k.rng.random() < 0.7 else 0.64
     _base(k, look, w, 2)
-    k.box("brushed-silver", 0.6, 0.44, 0.012, y=0.02, z=0.898)
+    k.box("brushed-silver", 0.58, 0.44, 0.012, y=0.02, z=0.898)
     k.box("plain-charcoal", 0.52, 0.34, 0.004, y=0.04, z=0.91)
     k.box("plain-gray", 0.46, 0.28, 0.004, y=0.04, z=0.913)
     k.rod("plain-black", 0.03, 0.004, y=0.04, z=0.916)
@@ -46,8 +45,15 @@ def kitchen_sink(k: Kit, look: Look, rng: Rng) -> None:
         k.rod("gloss-silver", 0.02, 0.06, x=s * 0.12, y=-0.18, z=0.9)
 
 
-@kind("stove", looks(("white", "plain-white", "plain-charcoal"), ("black", "gloss-black", "plain-charcoal"), ("silver metal", "brushed-silver", "plain-charcoal")))
-def stove(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "stove",
+    looks(
+        ("white", "plain-white", "plain-charcoal"),
+        ("black", "gloss-black", "plain-charcoal"),
+        ("silver metal", "brushed-silver", "plain-charcoal"),
+    ),
+)
+def _stove(k: Kit, look: Look) -> None:
     w, d = 0.62, 0.62
     k.box(look.main, w, d - 0.04, 0.88, y=-0.02)
     k.box("cooktop-0", w - 0.02, d - 0.05, 0.02, y=-0.015, z=0.88)
@@ -63,8 +69,16 @@ def stove(k: Kit, look: Look, rng: Rng) -> None:
     k.ball("gloss-black", 0.03, 0.03, 0.03, x=-0.15, y=-0.1, z=1.05)
 
 
-@kind("refrigerator", looks(("white", "plain-white", "gloss-silver"), ("silver metal", "brushed-silver", "gloss-black"), ("black", "gloss-black", "gloss-silver"), ("red", "gloss-red", "gloss-silver")))
-def refrigerator(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "refrigerator",
+    looks(
+        ("white", "plain-white", "gloss-silver"),
+        ("silver metal", "brushed-silver", "gloss-black"),
+        ("black", "gloss-black", "gloss-silver"),
+        ("red", "gloss-red", "gloss-silver"),
+    ),
+)
+def _refrigerator(k: Kit, look: Look) -> None:
     w, d, h = 0.72, 0.68, 1.78
     k.box("plain-charcoal", w - 0.04, d - 0.1, h - 0.02, y=-0.05, z=0.02)
     k.box(look.main, w, d - 0.09, h - 0.06, y=-0.045, z=0.05)
@@ -77,8 +91,16 @@ def refrigerator(k: Kit, look: Look, rng: Rng) -> None:
     k.box("plain-red", 0.04, 0.008, 0.04, x=0.02, y=d / 2 - 0.017, z=1.58)
 
 
-@kind("dishwasher", looks(("white", "plain-white", "gloss-silver"), ("silver metal", "brushed-silver", "gloss-black"), ("black", "gloss-black", "gloss-silver")), top_m=0.9)
-def dishwasher(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "dishwasher",
+    looks(
+        ("white", "plain-white", "gloss-silver"),
+        ("silver metal", "brushed-silver", "gloss-black"),
+        ("black", "gloss-black", "gloss-silver"),
+    ),
+    top_m=0.9,
+)
+def _dishwasher(k: Kit, look: Look) -> None:
     w = 0.6
     k.box("plain-black", w - 0.02, 0.54, 0.08, y=-0.03)
     k.box(look.main, w, 0.58, 0.78, y=-0.01, z=0.08)
@@ -92,8 +114,8 @@ def dishwasher(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("kitchen island", COUNTERS, top_m=0.92)
-def kitchen_island(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = float(rng.choice([1.4, 1.7])), 0.8
+def _kitchen_island(k: Kit, look: Look) -> None:
+    w, d = float(k.rng.choice([1.4, 1.7])), 0.8
     k.box("plain-black", w - 0.2, d - 0.3, 0.08)
     k.box(look.main, w - 0.1, d - 0.2, 0.8, z=0.08)
     k.box(look.trim, w, d, 0.05, z=0.87)
@@ -104,21 +126,31 @@ def kitchen_island(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("wall cabinet", COUNTERS, stand="wall")
-def wall_cabinet(k: Kit, look: Look, rng: Rng) -> None:
+def _wall_cabinet(k: Kit, look: Look) -> None:
     k.box(look.main, 0.8, 0.3, 0.62)
     k.fronts(look.main, "gloss-silver", 0.79, 0.6, 0.152, 0.01, 2, 1)
 
 
-@kind("range hood", looks(("silver metal", "brushed-silver", "gloss-black"), ("black", "gloss-black", "gloss-silver")), stand="wall")
-def range_hood(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "range hood", looks(("silver metal", "brushed-silver", "gloss-black"), ("black", "gloss-black", "gloss-silver")), stand="wall"
+)
+def _range_hood(k: Kit, look: Look) -> None:
     k.box(look.main, 0.62, 0.42, 0.06)
     k.mesh("wedge", look.main, 0.56, 0.4, 0.2, z=0.06, turn=(0, 0, np.pi))
     k.box(look.main, 0.24, 0.24, 0.56, y=-0.08, z=0.08)
     k.box(look.trim, 0.2, 0.01, 0.02, y=0.212, z=0.02)
 
 
-@kind("microwave", looks(("black", "gloss-black", "gloss-silver"), ("white", "plain-white", "gloss-black"), ("silver metal", "brushed-silver", "gloss-black")), stand="top")
-def microwave(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "microwave",
+    looks(
+        ("black", "gloss-black", "gloss-silver"),
+        ("white", "plain-white", "gloss-black"),
+        ("silver metal", "brushed-silver", "gloss-black"),
+    ),
+    stand="top",
+)
+def _microwave(k: Kit, look: Look) -> None:
     k.box(look.main, 0.48, 0.34, 0.28, z=0.01)
     k.box("gloss-black", 0.31, 0.01, 0.2, x=0.07, y=0.17, z=0.05)
     k.box("plain-charcoal", 0.24, 0.012, 0.13, x=0.07, y=0.171, z=0.085)
@@ -129,8 +161,16 @@ def microwave(k: Kit, look: Look, rng: Rng) -> None:
         k.box("plain-silver", 0.018, 0.014, 0.018, x=-0.2 + (i % 3) * 0.025, y=0.17, z=0.07 + (i // 3) * 0.035)
 
 
-@kind("toaster", looks(("silver metal", "brushed-silver", "gloss-black"), ("red", "gloss-red", "gloss-silver"), ("white", "plain-white", "gloss-black")), stand="top")
-def toaster(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "toaster",
+    looks(
+        ("silver metal", "brushed-silver", "gloss-black"),
+        ("red", "gloss-red", "gloss-silver"),
+        ("white", "plain-white", "gloss-black"),
+    ),
+    stand="top",
+)
+def _toaster(k: Kit, look: Look) -> None:
     k.mesh("cushion", look.main, 0.3, 0.19, 0.2, z=0.015)
     k.box(look.trim, 0.28, 0.17, 0.02)
     for s in (-1, 1):
@@ -140,8 +180,16 @@ def toaster(k: Kit, look: Look, rng: Rng) -> None:
     k.bar(look.trim, 0.018, 0.02, x=0.155, y=0.04, z=0.06)
 
 
-@kind("kettle", looks(("silver metal", "gloss-silver", "gloss-black"), ("red", "gloss-red", "gloss-black"), ("blue", "gloss-blue", "gloss-black")), stand="top")
-def kettle(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "kettle",
+    looks(
+        ("silver metal", "gloss-silver", "gloss-black"),
+        ("red", "gloss-red", "gloss-black"),
+        ("blue", "gloss-blue", "gloss-black"),
+    ),
+    stand="top",
+)
+def _kettle(k: Kit, look: Look) -> None:
     k.rod("plain-black", 0.09, 0.02)
     k.mesh("teapot", look.main, 0.19, 0.19, 0.22, z=0.02)
     k.ball(look.trim, 0.03, 0.03, 0.03, z=0.235)
@@ -149,8 +197,12 @@ def kettle(k: Kit, look: Look, rng: Rng) -> None:
     k.mesh("thinring", look.trim, 0.17, 0.025, 0.17, z=0.17)
 
 
-@kind("teapot", looks(("white", "gloss-white", "gloss-blue"), ("blue", "gloss-blue", "gloss-white"), ("brown", "gloss-brown", "gloss-tan")), stand="top")
-def teapot(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "teapot",
+    looks(("white", "gloss-white", "gloss-blue"), ("blue", "gloss-blue", "gloss-white"), ("brown", "gloss-brown", "gloss-tan")),
+    stand="top",
+)
+def _teapot(k: Kit, look: Look) -> None:
     k.mesh("teapot", look.main, 0.2, 0.2, 0.17)
     k.ball(look.trim, 0.03, 0.03, 0.03, z=0.165)
     k.mesh("ring", look.main, 0.12, 0.025, 0.12, x=-0.11, z=0.03)
@@ -160,7 +212,7 @@ def teapot(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("fruit bowl", looks(("white", "gloss-white"), ("brown wooden", "wood-walnut"), ("blue", "gloss-navy")), stand="top")
-def fruit_bowl(k: Kit, look: Look, rng: Rng) -> None:
+def _fruit_bowl(k: Kit, look: Look) -> None:
     k.mesh("bowl", look.main, 0.34, 0.34, 0.12)
     for i, stuff in enumerate(("gloss-red", "gloss-orange", "gloss-green", "gloss-red", "gloss-orange")):
         a = i * 2 * np.pi / 5
@@ -170,8 +222,16 @@ def fruit_bowl(k: Kit, look: Look, rng: Rng) -> None:
     k.mesh("cushion", "gloss-yellow", 0.05, 0.2, 0.05, x=0.01, y=0.05, z=0.165, turn=(0, 0, 0.9))
 
 
-@kind("coffee machine", looks(("black", "gloss-black", "gloss-silver"), ("red", "gloss-red", "gloss-silver"), ("silver metal", "brushed-silver", "gloss-black")), stand="top")
-def coffee_machine(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "coffee machine",
+    looks(
+        ("black", "gloss-black", "gloss-silver"),
+        ("red", "gloss-red", "gloss-silver"),
+        ("silver metal", "brushed-silver", "gloss-black"),
+    ),
+    stand="top",
+)
+def _coffee_machine(k: Kit, look: Look) -> None:
     k.box(look.main, 0.24, 0.3, 0.04)
     k.box(look.main, 0.24, 0.12, 0.36, y=-0.09)
     k.box(look.main, 0.24, 0.3, 0.1, z=0.28)

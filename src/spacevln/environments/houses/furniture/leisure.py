@@ -6,12 +6,16 @@ import numpy as np
 
 from spacevln.environments.houses.furniture.kit import Kit, Look, kind, looks
 
-Rng = np.random.Generator
 HALF_PI = np.pi / 2
 
 
-@kind("treadmill", looks(("black", "plain-charcoal", "plain-black"), ("gray", "plain-gray", "plain-black"), ("white", "plain-white", "plain-black")))
-def treadmill(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "treadmill",
+    looks(
+        ("black", "plain-charcoal", "plain-black"), ("gray", "plain-gray", "plain-black"), ("white", "plain-white", "plain-black")
+    ),
+)
+def _treadmill(k: Kit, look: Look) -> None:
     w, d = 0.78, 1.62
     k.box(look.main, w, d, 0.12, z=0.02)
     k.box(look.trim, w - 0.24, d - 0.1, 0.02, z=0.135)
@@ -25,8 +29,11 @@ def treadmill(k: Kit, look: Look, rng: Rng) -> None:
     k.box("plain-red", 0.06, 0.02, 0.03, y=-d / 2 + 0.24, z=1.12, turn=(0.5, 0, 0))
 
 
-@kind("exercise bike", looks(("black", "plain-charcoal", "gloss-red"), ("white", "plain-white", "gloss-blue"), ("red", "gloss-red", "gloss-silver")))
-def exercise_bike(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "exercise bike",
+    looks(("black", "plain-charcoal", "gloss-red"), ("white", "plain-white", "gloss-blue"), ("red", "gloss-red", "gloss-silver")),
+)
+def _exercise_bike(k: Kit, look: Look) -> None:
     for s in (-1, 1):
         k.box(look.main, 0.5, 0.08, 0.06, y=s * 0.42)
     k.box(look.main, 0.08, 0.9, 0.07, z=0.05)
@@ -44,9 +51,16 @@ def exercise_bike(k: Kit, look: Look, rng: Rng) -> None:
     k.box("screen-0", 0.2, 0.03, 0.14, y=0.36, z=1.14, turn=(0.4, 0, 0))
 
 
-@kind("weight bench", looks(("black leather", "leather-black", "gloss-silver"), ("red leather", "leather-red", "plain-charcoal"), ("blue leather", "leather-blue", "plain-charcoal")))
-def weight_bench(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = 1.5, 1.2
+@kind(
+    "weight bench",
+    looks(
+        ("black leather", "leather-black", "gloss-silver"),
+        ("red leather", "leather-red", "plain-charcoal"),
+        ("blue leather", "leather-blue", "plain-charcoal"),
+    ),
+)
+def _weight_bench(k: Kit, look: Look) -> None:
+    w = 1.5
     k.box(look.main, 0.32, 1.0, 0.1, y=0.06, z=0.4)
     for y in (0.45, -0.35):
         k.box(look.trim, 0.08, 0.06, 0.4, y=y)
@@ -60,8 +74,15 @@ def weight_bench(k: Kit, look: Look, rng: Rng) -> None:
     k.bar("gloss-silver", 0.016, w, y=-0.44, z=1.03)
 
 
-@kind("dumbbell rack", looks(("black metal", "plain-charcoal", "plain-black"), ("gray metal", "plain-gray", "plain-black"), ("red metal", "plain-red", "plain-black")))
-def dumbbell_rack(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "dumbbell rack",
+    looks(
+        ("black metal", "plain-charcoal", "plain-black"),
+        ("gray metal", "plain-gray", "plain-black"),
+        ("red metal", "plain-red", "plain-black"),
+    ),
+)
+def _dumbbell_rack(k: Kit, look: Look) -> None:
     w, d = 1.2, 0.46
     for s in (-1, 1):
         k.box(look.main, 0.06, d, 0.06, x=s * (w / 2 - 0.03))
@@ -76,24 +97,48 @@ def dumbbell_rack(k: Kit, look: Look, rng: Rng) -> None:
             k.bar("gloss-silver", 0.016, 0.2, x=x, y=-0.01, z=z + 0.11, along="y")
 
 
-@kind("yoga mat", looks(("purple", "rubber-purple", "plain-lavender"), ("blue", "rubber-blue", "plain-sky"), ("green", "rubber-teal", "plain-mint"), ("pink", "rubber-pink", "plain-white")), stand="flat")
-def yoga_mat(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "yoga mat",
+    looks(
+        ("purple", "rubber-purple", "plain-lavender"),
+        ("blue", "rubber-blue", "plain-sky"),
+        ("green", "rubber-teal", "plain-mint"),
+        ("pink", "rubber-pink", "plain-white"),
+    ),
+    stand="flat",
+)
+def _yoga_mat(k: Kit, look: Look) -> None:
     k.box(look.main, 0.62, 1.6, 0.012)
     k.bar(look.main, 0.06, 0.62, y=-0.82, z=0.06)
     k.bar(look.trim, 0.03, 0.625, y=-0.82, z=0.06)
 
 
-@kind("exercise ball", looks(("blue", "gloss-blue", "gloss-navy"), ("red", "gloss-red", "gloss-burgundy"), ("green", "gloss-green", "gloss-green"), ("purple", "gloss-purple", "gloss-purple")))
-def exercise_ball(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "exercise ball",
+    looks(
+        ("blue", "gloss-blue", "gloss-navy"),
+        ("red", "gloss-red", "gloss-burgundy"),
+        ("green", "gloss-green", "gloss-green"),
+        ("purple", "gloss-purple", "gloss-purple"),
+    ),
+)
+def _exercise_ball(k: Kit, look: Look) -> None:
     k.ball(look.main, 0.64, 0.64, 0.62)
     for z in (0.16, 0.3, 0.44):
         r = 0.32 * (1 - ((z - 0.31) / 0.31) ** 2) ** 0.5 * 2 + 0.006
         k.mesh("thinring", look.trim, r, 0.02, r, z=z - r / 2, turn=(HALF_PI, 0, 0))
 
 
-@kind("piano", looks(("black", "gloss-black", "gloss-black"), ("brown wooden", "wood-mahogany", "wood-mahogany"), ("white", "gloss-white", "gloss-white")))
-def piano(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = 1.46, 1.0
+@kind(
+    "piano",
+    looks(
+        ("black", "gloss-black", "gloss-black"),
+        ("brown wooden", "wood-mahogany", "wood-mahogany"),
+        ("white", "gloss-white", "gloss-white"),
+    ),
+)
+def _piano(k: Kit, look: Look) -> None:
+    w = 1.46
     k.box(look.main, w, 0.36, 1.2, y=-0.32)
     k.box(look.main, w + 0.04, 0.42, 0.04, y=-0.31, z=1.2)
     k.box(look.main, w, 0.36, 0.1, y=0.0, z=0.58)
@@ -111,11 +156,19 @@ def piano(k: Kit, look: Look, rng: Rng) -> None:
     k.mesh("cushion", "leather-black", 0.64, 0.3, 0.1, y=0.36, z=0.42)
 
 
-@kind("drum set", looks(("red", "gloss-red", "gloss-silver"), ("blue", "gloss-blue", "gloss-silver"), ("black", "gloss-black", "gloss-silver")))
-def drum_set(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "drum set",
+    looks(("red", "gloss-red", "gloss-silver"), ("blue", "gloss-blue", "gloss-silver"), ("black", "gloss-black", "gloss-silver")),
+)
+def _drum_set(k: Kit, look: Look) -> None:
     k.bar(look.main, 0.28, 0.4, y=0.12, z=0.3, along="y")
     k.bar("plain-white", 0.26, 0.42, y=0.12, z=0.3, along="y")
-    for x, y, r, h, z in ((-0.2, 0.14, 0.17, 0.2, 0.66), (0.2, 0.14, 0.17, 0.2, 0.66), (0.52, -0.2, 0.22, 0.36, 0.22), (-0.5, -0.22, 0.19, 0.16, 0.5)):
+    for x, y, r, h, z in (
+        (-0.2, 0.14, 0.17, 0.2, 0.66),
+        (0.2, 0.14, 0.17, 0.2, 0.66),
+        (0.52, -0.2, 0.22, 0.36, 0.22),
+        (-0.5, -0.22, 0.19, 0.16, 0.5),
+    ):
         k.rod(look.main, r, h, x=x, y=y, z=z)
         k.rod("plain-white", r - 0.015, h + 0.01, x=x, y=y, z=z)
         k.rod(look.trim, r + 0.006, 0.02, x=x, y=y, z=z + h - 0.015)
@@ -128,8 +181,16 @@ def drum_set(k: Kit, look: Look, rng: Rng) -> None:
     k.rod("plain-charcoal", 0.16, 0.02, y=-0.52)
 
 
-@kind("guitar", looks(("brown wooden", "wood-cherry", "wood-maple"), ("red", "gloss-red", "wood-maple"), ("black", "gloss-black", "wood-maple"), ("yellow wooden", "wood-pine", "wood-walnut")))
-def guitar(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "guitar",
+    looks(
+        ("brown wooden", "wood-cherry", "wood-maple"),
+        ("red", "gloss-red", "wood-maple"),
+        ("black", "gloss-black", "wood-maple"),
+        ("yellow wooden", "wood-pine", "wood-walnut"),
+    ),
+)
+def _guitar(k: Kit, look: Look) -> None:
     lean = (0.16, 0.0, 0.0)
     k.mesh("guitar", look.main, 0.4, 0.1, 0.5, y=0.05, z=0.12, turn=lean)
     k.rod("plain-black", 0.055, 0.11, y=0.04, z=0.35, turn=(HALF_PI + 0.16, 0, 0))
@@ -145,15 +206,20 @@ def guitar(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("globe", looks(("blue", "globe-0", "wood-walnut"), ("blue gold", "globe-1", "gloss-gold")))
-def globe(k: Kit, look: Look, rng: Rng) -> None:
+def _globe(k: Kit, look: Look) -> None:
     k.rod(look.trim, 0.2, 0.04)
     k.mesh("turned", look.trim, 0.12, 0.12, 0.5, z=0.04)
     k.ball(look.main, 0.46, 0.46, 0.46, z=0.56)
     k.mesh("thinring", "gloss-brass", 0.54, 0.05, 0.54, z=0.52, turn=(0, 0.4, 0))
 
 
-@kind("teddy bear", looks(("brown", "fabric-brown", "fabric-tan"), ("white", "fabric-white", "fabric-pink"), ("tan", "fabric-tan", "fabric-cream")))
-def teddy_bear(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "teddy bear",
+    looks(
+        ("brown", "fabric-brown", "fabric-tan"), ("white", "fabric-white", "fabric-pink"), ("tan", "fabric-tan", "fabric-cream")
+    ),
+)
+def _teddy_bear(k: Kit, look: Look) -> None:
     m, t = look.main, look.trim
     k.ball(m, 0.4, 0.36, 0.44, z=0.02)
     k.ball(t, 0.26, 0.2, 0.3, y=0.1, z=0.08)
@@ -171,7 +237,7 @@ def teddy_bear(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("rocking horse", looks(("brown wooden", "wood-oak", "plain-red"), ("white", "plain-white", "plain-blue")))
-def rocking_horse(k: Kit, look: Look, rng: Rng) -> None:
+def _rocking_horse(k: Kit, look: Look) -> None:
     m = look.main
     for s in (-1, 1):
         k.mesh("rocker", "wood-walnut", 0.05, 0.95, 0.16, x=s * 0.15)
@@ -187,111 +253,3 @@ def rocking_horse(k: Kit, look: Look, rng: Rng) -> None:
     for s in (-1, 1):
         k.mesh("cone", m, 0.04, 0.04, 0.1, x=s * 0.05, y=0.36, z=0.96)
         k.ball("gloss-black", 0.03, 0.03, 0.03, x=s * 0.07, y=0.46, z=0.9)
-
-
-@kind("bicycle", looks(("red", "gloss-red", "plain-black"), ("blue", "gloss-blue", "plain-black"), ("green", "gloss-green", "plain-black"), ("white", "gloss-white", "plain-black")))
-def bicycle(k: Kit, look: Look, rng: Rng) -> None:
-    m = look.main
-    for x in (-0.54, 0.54):
-        k.mesh("thinring", look.trim, 0.66, 0.05, 0.66, x=x)
-        k.bar("gloss-silver", 0.04, 0.08, x=x, z=0.33, along="y")
-        for i in range(3):
-            k.rod("plain-silver", 0.004, 0.6, x=x, z=0.03, turn=(0, i * np.pi / 3, 0))
-
-    def tube(x0: float, z0: float, x1: float, z1: float, stuff: str = m, r: float = 0.02) -> None:
-        length = float(np.hypot(x1 - x0, z1 - z0))
-        k.rod(stuff, r, length, x=(x0 + x1) / 2, z=(z0 + z1) / 2 - length / 2, turn=(0, float(np.arctan2(x1 - x0, z1 - z0)), 0))
-
-    tube(-0.1, 0.3, -0.2, 0.82)
-    tube(-0.1, 0.3, 0.36, 0.78)
-    tube(-0.18, 0.74, 0.34, 0.84)
-    tube(-0.54, 0.33, -0.1, 0.3)
-    tube(-0.54, 0.33, -0.18, 0.72)
-    tube(0.54, 0.33, 0.32, 0.98)
-    k.mesh("pillow", "plain-black", 0.26, 0.14, 0.07, x=-0.22, z=0.82)
-    k.bar("plain-charcoal", 0.016, 0.5, x=0.32, z=0.98, along="y")
-    k.bar("gloss-silver", 0.09, 0.02, x=-0.1, z=0.3, along="y")
-    for s in (-1, 1):
-        k.box("plain-black", 0.12, 0.07, 0.02, x=-0.1 + s * 0.1, y=s * 0.1, z=0.3 - s * 0.12)
-        k.bar("plain-black", 0.02, 0.1, x=0.32, y=s * 0.22, z=0.98, along="y")
-
-
-@kind("car", looks(("red", "gloss-red", "gloss-silver"), ("blue", "gloss-blue", "gloss-silver"), ("white", "gloss-white", "gloss-black"), ("black", "gloss-black", "gloss-silver"), ("yellow", "gloss-yellow", "gloss-black")))
-def car(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = 1.62, 3.3
-    k.mesh("cushion", look.main, w, d, 0.62, z=0.24)
-    k.box(look.main, w - 0.06, d - 0.3, 0.3, z=0.28)
-    k.mesh("cabin", "gloss-navy", 1.9, w - 0.16, 0.56, y=-0.15, z=0.8, turn=(0, 0, HALF_PI))
-    k.box(look.main, w - 0.24, 0.9, 0.05, y=-0.2, z=1.34)
-    for s in (-1, 1):
-        k.box(look.main, 0.03, 0.07, 0.5, x=s * (w / 2 - 0.09), y=-0.2, z=0.84)
-        for t in (-1, 1):
-            k.bar("plain-black", 0.3, 0.2, x=s * (w / 2 - 0.1), y=t * 1.0, z=0.3)
-            k.bar("gloss-silver", 0.18, 0.21, x=s * (w / 2 - 0.1), y=t * 1.0, z=0.3)
-        k.ball("glow-lamp", 0.3, 0.12, 0.16, x=s * 0.54, y=d / 2 - 0.07, z=0.5)
-        k.box("plain-red", 0.28, 0.06, 0.14, x=s * 0.52, y=-d / 2 + 0.04, z=0.54)
-        k.box(look.main, 0.14, 0.1, 0.1, x=s * (w / 2 + 0.02), y=0.5, z=0.86)
-    k.box("plain-black", 0.8, 0.05, 0.16, y=d / 2 - 0.03, z=0.42)
-    k.box("plain-white", 0.4, 0.04, 0.1, y=d / 2 - 0.005, z=0.34)
-    k.box(look.trim, w - 0.1, 0.1, 0.08, y=d / 2 - 0.06, z=0.27)
-    k.box(look.trim, w - 0.1, 0.1, 0.08, y=-d / 2 + 0.06, z=0.27)
-
-
-@kind("workbench", looks(("brown wooden", "wood-oak", "plain-red"), ("gray metal", "plain-gray", "plain-blue"), ("red", "plain-red", "plain-charcoal")), top_m=0.88)
-def workbench(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = 1.5, 0.62
-    k.legs(look.main, w - 0.06, d - 0.06, 0.82, 0.09)
-    k.box(look.main, w, d, 0.06, z=0.82)
-    k.box(look.main, w - 0.1, d - 0.1, 0.04, z=0.2)
-    k.box("wood-pine", w, 0.03, 0.7, y=-d / 2 + 0.015, z=0.88)
-    k.box(look.trim, 0.44, 0.22, 0.2, x=-0.4, z=0.24)
-    k.box(look.trim, 0.3, 0.26, 0.28, x=0.3, z=0.24)
-    y = -d / 2 + 0.045
-    for i, stuff in enumerate(("plain-red", "plain-yellow", "plain-blue", "plain-black", "plain-red")):
-        x = -0.56 + i * 0.26
-        k.box(stuff, 0.035, 0.03, 0.17, x=x, y=y, z=1.06)
-        k.box("gloss-silver", 0.02 if i % 2 else 0.14, 0.025, 0.18 if i % 2 else 0.05, x=x, y=y, z=1.23)
-    k.box("gloss-charcoal", 0.14, 0.2, 0.16, x=0.58, y=0.16, z=0.88)
-    k.bar("gloss-silver", 0.015, 0.2, x=0.58, y=0.3, z=0.98)
-    k.box("plain-red", 0.36, 0.18, 0.16, x=-0.4, y=0.05, z=0.88)
-    k.bar("plain-black", 0.014, 0.2, x=-0.4, y=0.05, z=1.07)
-
-
-@kind("ladder", looks(("silver metal", "gloss-silver", "plain-red"), ("yellow", "plain-yellow", "plain-charcoal"), ("brown wooden", "wood-pine", "wood-pine")))
-def ladder(k: Kit, look: Look, rng: Rng) -> None:
-    for t in (-1, 1):
-        for s in (-1, 1):
-            k.box(look.main, 0.05, 0.03, 1.66, x=s * 0.22, y=t * 0.2, z=0.0, turn=(t * 0.24, 0, 0))
-    for i in range(5):
-        z = 0.28 + i * 0.28
-        k.box(look.main, 0.44, 0.08, 0.03, y=0.405 - 0.245 * z, z=z)
-    k.box(look.trim, 0.46, 0.16, 0.04, z=1.61)
-
-
-@kind("lawn mower", looks(("red", "gloss-red", "plain-black"), ("green", "gloss-green", "plain-black"), ("orange", "gloss-orange", "plain-black")))
-def lawn_mower(k: Kit, look: Look, rng: Rng) -> None:
-    k.mesh("cushion", look.main, 0.52, 0.66, 0.24, y=0.14, z=0.1)
-    k.rod("plain-black", 0.16, 0.16, y=0.16, z=0.32)
-    k.rod("gloss-silver", 0.1, 0.04, y=0.16, z=0.48)
-    for s in (-1, 1):
-        for y in (-0.1, 0.38):
-            k.bar("plain-black", 0.12, 0.07, x=s * 0.27, y=y, z=0.12)
-            k.bar("gloss-silver", 0.05, 0.08, x=s * 0.27, y=y, z=0.12)
-        k.rod(look.trim, 0.016, 0.92, x=s * 0.22, y=-0.36, z=0.16, turn=(0.7, 0, 0))
-    k.bar("plain-charcoal", 0.02, 0.46, y=-0.65, z=0.96)
-    k.mesh("cushion", "fabric-charcoal", 0.42, 0.4, 0.32, y=-0.34, z=0.12)
-
-
-@kind("grill", looks(("black", "gloss-black", "gloss-silver"), ("red", "gloss-red", "gloss-silver"), ("silver metal", "gloss-silver", "plain-black")))
-def grill(k: Kit, look: Look, rng: Rng) -> None:
-    k.mesh("bowl", look.main, 0.56, 0.56, 0.26, z=0.6)
-    k.mesh("pillow", look.main, 0.57, 0.57, 0.4, z=0.68)
-    k.rod(look.trim, 0.288, 0.02, z=0.865)
-    k.box("plain-black", 0.2, 0.03, 0.03, y=0.26, z=1.0)
-    k.ball("plain-black", 0.06, 0.06, 0.06, z=1.07)
-    for i in range(3):
-        a = i * 2 * np.pi / 3 + 0.5
-        k.rod(look.trim, 0.014, 0.68, x=0.2 * np.cos(a), y=0.2 * np.sin(a), turn=(-0.2 * float(np.sin(a)), 0.2 * float(np.cos(a)), 0))
-    k.rod(look.trim, 0.2, 0.015, z=0.22)
-    for s in (-1, 1):
-        k.box("wood-oak", 0.2, 0.34, 0.03, x=s * 0.38, z=0.82)

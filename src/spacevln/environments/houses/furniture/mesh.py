@@ -71,7 +71,9 @@ def unit_mesh(points: Array, faces: Faces, normals: Array | None = None) -> Unit
 
 
 def _box() -> UnitMesh:
-    points, normals, faces = [], [], []
+    points: list[Array] = []
+    normals: list[Array] = []
+    faces: list[tuple[int, int, int]] = []
     for axis in range(3):
         for sign in (-1.0, 1.0):
             first, second = (axis + 1) % 3, (axis + 2) % 3
@@ -89,7 +91,9 @@ def lathe(profile: Sequence[tuple[float, float]], segments: int = 16, smooth: bo
     """Turn a profile of (radius, height) from bottom to top around the z axis."""
     radii, heights = np.array(profile, float).T
     angles = np.linspace(0, 2 * np.pi, segments, endpoint=False)
-    points, normals, faces = [], [], []
+    points: list[Array] = []
+    normals: list[Array] = []
+    faces: list[NDArray[np.int64]] = []
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     slopes = np.stack([np.diff(heights), -np.diff(radii)], axis=1)
     lengths = np.linalg.norm(slopes, axis=1, keepdims=True)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from spacevln.environments.houses.furniture.space import Pose2, RoomSpace
+from spacevln.environments.houses.furniture.space import RoomSpace, smallest_form
+from spacevln.environments.houses.furniture.walls import Pose2
 from spacevln.environments.houses.plan import Item
 
 
@@ -55,17 +56,20 @@ def living_room(s: RoomSpace) -> None:
     focus = hearth or television(s)
     sofa = _sofa_group(s, focus) if focus else None
     if sofa is None:
-        sofa = s.against_wall("sofa", "centre", front_m=0.4)
+        sofa = s.surely("sofa", "centre", front_m=0.4)
+    if focus is None:
+        focus = s.on_top(s.against_wall("tv stand", "any", tries=200, form=smallest_form("tv stand")), "tv", at=0.0)
+    dress_windows(s)
     if hearth is not None and some(s, 0.8):
         television(s)
     if hearth is not None:
         s.on_wall("mirror" if some(s, 0.4) else "clock", 1.3, above=None)
-    if sofa is not None and s.side_of(sofa):
+    if sofa is not None:
         table = s.beside(sofa, "end table", left=True)
         s.on_top(table, "table lamp", at=0.0)
         if some(s, 0.5):
             s.beside(sofa, "end table", left=False)
-    if s.room.area > 20 and some(s, 0.45):
+    if s.room.area > 16 and some(s, 0.5):
         s.against_wall("piano", "centre", front_m=0.1)
     if some(s, 0.6):
         s.against_wall("bookshelf", "any")
@@ -80,7 +84,6 @@ def living_room(s: RoomSpace) -> None:
     for item in [i for i in s.items if i.category in ("coffee table", "cabinet", "end table")]:
         if some(s, 0.8):
             s.on_top(item, ("flowers", "vase", "candle", "teapot", "fruit bowl")[int(s.rng.integers(5))])
-    dress_windows(s)
     hang_paintings(s, 3)
     if some(s, 0.4):
         s.on_wall("clock", 1.6)
@@ -94,13 +97,13 @@ def _sofa_group(s: RoomSpace, focus: Item) -> Item | None:
     for distance in (2.5, 2.2, 2.8, 1.9, 3.1, 1.6):
         for shift in (0.0, 0.4, -0.4):
             sofa_at = s.before(focus, sofa_made, distance, True, shift)
-            wall = s.wall_behind(sofa_at)
-            if wall is not None:
-                sofa_at = wall
-            placed = s.stand([sofa_at])
+            against = s.wall_behind(sofa_at)
+            placed = s.stand([sofa_at if against is None else against[0]])
             if placed is None:
                 continue
             sofa = placed[0]
+            if against is not None:
+                s.remember_side(sofa, *against[1])
             table = s.stand([s.before(sofa, table_made, 0.4, False)])
             centre = table[0] if table else sofa
             s.lay(("rug", "round rug")[int(some(s, 0.2))], Pose2(centre.x, centre.y, sofa.yaw_rad))
@@ -126,7 +129,7 @@ def bedroom(s: RoomSpace) -> None:
     """A bed with its head to a wall, nightstands with lamps, a wardrobe or dresser."""
     children = s.room.area < 13 and some(s, 0.3)
     bed = s.against_wall("bunk bed", "corner") if children else None
-    bed = bed or s.against_wall("bed", "centre") or s.against_wall("bed", "corner")
+    bed = bed or s.surely("bed", "centre", front_m=0.0)
     if bed is not None and bed.category == "bed":
         look, lamp = s.taste.look("nightstand"), s.taste.look("table lamp")
         for left in (True, False):
@@ -135,6 +138,7 @@ def bedroom(s: RoomSpace) -> None:
         forward = bed.front_yaw_rad
         s.lay("rug", Pose2(bed.x + math.cos(forward) * 0.75, bed.y + math.sin(forward) * 0.75, bed.yaw_rad))
         s.on_wall("painting", 1.3, above=bed, lift=0.15)
+    dress_windows(s, 0.6)
     if some(s, 0.75):
         s.against_wall("wardrobe", "corner", front_m=0.35)
     dresser = s.against_wall("dresser", "centre", front_m=0.35)
@@ -155,7 +159,6 @@ def bedroom(s: RoomSpace) -> None:
         s.against_wall("rocking chair", "any", front_m=0.2)
     names = ("potted plant", "floor lamp", "ottoman", "guitar", "laundry basket", "fan", "suitcase", "rocking chair", "radiator")
     corner_things(s, names, 2)
-    dress_windows(s, 0.85)
     hang_paintings(s, 1 if some(s, 0.7) else 2)
     if some(s, 0.25):
         s.on_wall("poster", 1.15)
@@ -174,6 +177,7 @@ def dining_room(s: RoomSpace) -> None:
         s.under_ceiling("chandelier", (table.x, table.y))
         if some(s, 0.5):
             s.lay("rug", Pose2(table.x, table.y, table.yaw_rad))
+    dress_windows(s)
     cabinet = s.against_wall("cabinet", "centre", front_m=0.3)
     for _ in range(2):
         s.on_top(cabinet, ("vase", "teapot", "candle", "flowers", "table lamp")[int(s.rng.integers(5))])
@@ -183,7 +187,6 @@ def dining_room(s: RoomSpace) -> None:
         s.against_wall("console table", "any")
     s.against_wall("potted plant", "door")
     corner_things(s, ("potted plant", "floor lamp", "statue", "column", "radiator"), 1)
-    dress_windows(s)
     hang_paintings(s, 3)
     if some(s, 0.3):
         s.on_wall("mirror", 1.1)
@@ -253,7 +256,7 @@ def library(s: RoomSpace) -> None:
     for _ in range(max(3, int(s.room.area / 3))):
         s.against_wall("bookshelf", "any", look=look if some(s, 0.7) else None, front_m=0.3)
     chair = s.against_wall("armchair", "corner", front_m=0.2) or s.free_standing("armchair", (0.0, math.pi))
-    if chair is not None and s.side_of(chair):
+    if chair is not None:
         s.on_top(s.beside(chair, "end table", left=some(s, 0.5)), "table lamp", at=0.0)
     table = s.free_standing("coffee table" if some(s, 0.6) else "round table", (0.0, math.pi / 2))
     if table is not None:

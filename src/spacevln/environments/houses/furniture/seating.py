@@ -6,7 +6,6 @@ import numpy as np
 
 from spacevln.environments.houses.furniture.kit import Kit, Look, fabrics, kind, looks, woods
 
-Rng = np.random.Generator
 _SOFAS = (
     *looks(
         ("white leather", "leather-white", "plain-steel"),
@@ -18,8 +17,8 @@ _SOFAS = (
 
 
 @kind("sofa", _SOFAS)
-def sofa(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = float(rng.choice([1.7, 1.95, 2.2])), 0.9
+def _sofa(k: Kit, look: Look) -> None:
+    w, d = float(k.rng.choice([1.7, 1.95, 2.2])), 0.9
     seats = 2 if w < 1.8 else 3
     inner = w - 0.4
     k.legs(look.trim, w - 0.1, d - 0.1, 0.1, 0.06)
@@ -36,8 +35,14 @@ def sofa(k: Kit, look: Look, rng: Rng) -> None:
         k.mesh("pillow", accent, 0.4, 0.16, 0.4, x=s * (inner / 2 - 0.2), y=-0.06, z=0.46, turn=(0.3, 0, s * 0.15))
 
 
-@kind("armchair", (*fabrics("blue", "red", "gray", "green", "cream", "orange"), *looks(("brown leather", "leather-brown", "wood-walnut"), ("black leather", "leather-black", "plain-steel"))))
-def armchair(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "armchair",
+    (
+        *fabrics("blue", "red", "gray", "green", "cream", "orange"),
+        *looks(("brown leather", "leather-brown", "wood-walnut"), ("black leather", "leather-black", "plain-steel")),
+    ),
+)
+def _armchair(k: Kit, look: Look) -> None:
     w, d = 0.82, 0.8
     k.legs(look.trim, w - 0.08, d - 0.08, 0.12, 0.06)
     k.box(look.main, w - 0.06, d - 0.06, 0.18, z=0.12)
@@ -48,7 +53,7 @@ def armchair(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("dining chair", (*woods("oak", "walnut", "white", "black"), *fabrics("red", "blue", "gray")))
-def dining_chair(k: Kit, look: Look, rng: Rng) -> None:
+def _dining_chair(k: Kit, look: Look) -> None:
     w, d, frame = 0.44, 0.46, look.trim
     k.legs(frame, w, d, 0.43, 0.04)
     k.box(look.main, w, d, 0.05, z=0.43)
@@ -59,8 +64,11 @@ def dining_chair(k: Kit, look: Look, rng: Rng) -> None:
         k.box(look.main if look.main.startswith("fabric") else frame, 0.05, 0.02, 0.34, x=x, y=-d / 2 + 0.02, z=0.48)
 
 
-@kind("office chair", (*fabrics("black", "blue", "red", "gray", trim="plain-charcoal"), *looks(("white leather", "leather-white", "plain-silver"))))
-def office_chair(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "office chair",
+    (*fabrics("black", "blue", "red", "gray", trim="plain-charcoal"), *looks(("white leather", "leather-white", "plain-silver"))),
+)
+def _office_chair(k: Kit, look: Look) -> None:
     for i in range(5):
         a = i * 2 * np.pi / 5
         k.box(look.trim, 0.28, 0.05, 0.04, x=0.14 * np.cos(a), y=0.14 * np.sin(a), z=0.06, turn=(0, 0, float(a)))
@@ -75,15 +83,23 @@ def office_chair(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("stool", (*woods("oak", "white", "black", "red"), *looks(("blue", "plain-blue", "wood-oak"))))
-def stool(k: Kit, look: Look, rng: Rng) -> None:
+def _stool(k: Kit, look: Look) -> None:
     for s in (-1, 1):
         for t in (-1, 1):
             k.rod(look.trim, 0.018, 0.44, x=s * 0.12, y=t * 0.12, turn=(-t * 0.1, s * 0.1, 0))
     k.rod(look.main, 0.18, 0.05, z=0.43)
 
 
-@kind("bar stool", looks(("black leather", "leather-black", "gloss-steel"), ("red leather", "leather-red", "gloss-steel"), ("white leather", "leather-white", "gloss-steel"), ("brown wooden", "wood-oak", "wood-oak")))
-def bar_stool(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "bar stool",
+    looks(
+        ("black leather", "leather-black", "gloss-steel"),
+        ("red leather", "leather-red", "gloss-steel"),
+        ("white leather", "leather-white", "gloss-steel"),
+        ("brown wooden", "wood-oak", "wood-oak"),
+    ),
+)
+def _bar_stool(k: Kit, look: Look) -> None:
     k.rod(look.trim, 0.2, 0.03)
     k.rod(look.trim, 0.03, 0.66, z=0.03)
     k.mesh("thinring", look.trim, 0.32, 0.03, 0.32, z=0.08, turn=(np.pi / 2, 0, 0))
@@ -92,8 +108,8 @@ def bar_stool(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("bench", (*woods("oak", "walnut", "white"), *looks(("black metal", "plain-black", "plain-black"))), top_m=0.46)
-def bench(k: Kit, look: Look, rng: Rng) -> None:
-    w = float(rng.choice([1.1, 1.3]))
+def _bench(k: Kit, look: Look) -> None:
+    w = float(k.rng.choice([1.1, 1.3]))
     for i in range(3):
         k.box(look.main, w, 0.11, 0.04, y=(i - 1) * 0.13, z=0.42)
     for s in (-1, 1):
@@ -102,7 +118,7 @@ def bench(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("ottoman", fabrics("gray", "blue", "red", "cream", "green", "purple", trim="plain-brown"))
-def ottoman(k: Kit, look: Look, rng: Rng) -> None:
+def _ottoman(k: Kit, look: Look) -> None:
     k.rod("wood-walnut", 0.24, 0.05)
     k.rod(look.main, 0.29, 0.3, z=0.05)
     k.mesh("pillow", look.main, 0.58, 0.58, 0.16, z=0.29)
@@ -110,7 +126,7 @@ def ottoman(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("rocking chair", woods("walnut", "oak", "white"))
-def rocking_chair(k: Kit, look: Look, rng: Rng) -> None:
+def _rocking_chair(k: Kit, look: Look) -> None:
     m = look.main
     for s in (-1, 1):
         k.mesh("rocker", m, 0.05, 0.95, 0.16, x=s * 0.26, z=0.0)
@@ -124,8 +140,15 @@ def rocking_chair(k: Kit, look: Look, rng: Rng) -> None:
     k.mesh("pillow", "fabric-burgundy", 0.46, 0.44, 0.09, z=0.43)
 
 
-@kind("patio chair", looks(("white wicker", "wicker-white", "fabric-teal"), ("brown wicker", "wicker-tan", "fabric-white"), ("black wicker", "wicker-charcoal", "fabric-red")))
-def patio_chair(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "patio chair",
+    looks(
+        ("white wicker", "wicker-white", "fabric-teal"),
+        ("brown wicker", "wicker-tan", "fabric-white"),
+        ("black wicker", "wicker-charcoal", "fabric-red"),
+    ),
+)
+def _patio_chair(k: Kit, look: Look) -> None:
     k.box(look.main, 0.68, 0.66, 0.36, z=0.02)
     k.box(look.main, 0.68, 0.1, 0.4, y=-0.28, z=0.36)
     for s in (-1, 1):

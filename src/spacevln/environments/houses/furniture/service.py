@@ -6,7 +6,8 @@ import math
 
 from spacevln.environments.houses.furniture.kit import design
 from spacevln.environments.houses.furniture.recipes import corner_things, dining_group, dress_windows, hang_paintings, light, some
-from spacevln.environments.houses.furniture.space import Pose2, RoomSpace, Side
+from spacevln.environments.houses.furniture.space import RoomSpace, smallest_form
+from spacevln.environments.houses.furniture.walls import Pose2, Side
 from spacevln.environments.houses.plan import Item
 
 _ROWS = (
@@ -29,7 +30,7 @@ def kitchen(s: RoomSpace) -> None:
     for name in ("stove", "refrigerator", "kitchen sink", "kitchen counter"):
         if name not in have:
             chosen = look if name in _CABINETS else metal
-            item = s.against_wall(name, "corner", look=chosen, front_m=0.35) or s.against_wall(name, "any", look=chosen)
+            item = s.surely(name, "corner", chosen, 0.35)
             row += [item] if item is not None else []
     counters = [item for item in row if item.category in ("kitchen counter", "dishwasher")]
     if len(counters) < 2:
@@ -57,9 +58,9 @@ def kitchen(s: RoomSpace) -> None:
 
 def _kitchen_row(s: RoomSpace, look: int, metal: int) -> list[Item]:
     sides = sorted(s.sides, key=lambda side: -side.length)
-    for row in _ROWS:
-        made = [design(name, look if name in _CABINETS else metal) for name in row]
-        for order in ((made, made[::-1]) if some(s, 0.5) else (made[::-1], made)):
+    for row, compact in ((row, compact) for row in _ROWS for compact in (False, True)):
+        made = [design(name, look if name in _CABINETS else metal, smallest_form(name) if compact else 0) for name in row]
+        for order in (made, made[::-1]) if some(s, 0.5) else (made[::-1], made):
             total = sum(one.size[0] for one in order) + 0.002 * len(order)
             for side in sides:
                 if side.length < total + 0.02:
@@ -103,11 +104,11 @@ def _kitchen_middle(s: RoomSpace, look: int) -> None:
 
 def bathroom(s: RoomSpace) -> None:
     """Toilet, sink under a mirror, tub or shower, towels."""
-    toilet = s.against_wall("toilet", "corner", front_m=0.25) or s.against_wall("toilet", "any")
-    sink = s.against_wall("bathroom sink", "any", front_m=0.3) or s.against_wall("bathroom sink", "any")
+    toilet = s.surely("toilet", "corner", front_m=0.25)
+    sink = s.surely("bathroom sink", "any", front_m=0.3)
     bath = s.against_wall("bathtub", "corner") if s.room.area > 4.6 and some(s, 0.7) else None
     if bath is None or (s.room.area > 7 and some(s, 0.5)):
-        s.against_wall("shower", "corner")
+        s.surely("shower", "corner", front_m=0.2)
     if sink is not None:
         s.on_wall("mirror", 1.2, above=sink, lift=0.04)
     anchor = bath or sink or toilet
@@ -127,9 +128,11 @@ def bathroom(s: RoomSpace) -> None:
 def laundry_room(s: RoomSpace) -> None:
     """Washing machine and dryer side by side, a basket, an ironing board."""
     look = s.taste.look("washing machine")
-    washer = s.against_wall("washing machine", "corner", look=look, front_m=0.35) or s.against_wall("washing machine", "any", look=look)
+    washer = s.surely("washing machine", "corner", look, 0.35)
     if washer is not None:
-        dryer = s.beside(washer, "dryer", left=True, gap_m=0.02, look=look) or s.beside(washer, "dryer", left=False, gap_m=0.02, look=look)
+        dryer = s.beside(washer, "dryer", left=True, gap_m=0.02, look=look) or s.beside(
+            washer, "dryer", left=False, gap_m=0.02, look=look
+        )
         if dryer is None:
             s.against_wall("dryer", "any", look=look)
         s.on_wall("wall shelf", 1.4, above=washer)
@@ -155,12 +158,23 @@ def garage(s: RoomSpace) -> None:
     """A car if it fits, a workbench, racks, a bicycle."""
     rect = max(s.room.rects, key=lambda r: r.area)
     long_way = math.pi / 2 if rect.width > rect.depth else 0.0
-    s.free_standing("car", (long_way, long_way + math.pi / 2), spread=0.5)
-    bench = s.against_wall("workbench", "centre", front_m=0.3) or s.against_wall("workbench", "any")
+    game = s.room.area > 18 and some(s, 0.3)
+    s.free_standing("ping pong table" if game else "car", (long_way, long_way + math.pi / 2), spread=0.5)
+    bench = s.surely("workbench", "centre")
     if bench is None:
         s.against_wall("storage rack", "any")
     s.against_wall("bicycle", "any", gap_m=0.03)
-    names = ("storage rack", "lawn mower", "ladder", "cardboard box", "trash can", "storage rack", "cardboard box", "grill", "suitcase")
+    names = (
+        "storage rack",
+        "lawn mower",
+        "ladder",
+        "cardboard box",
+        "trash can",
+        "storage rack",
+        "cardboard box",
+        "grill",
+        "suitcase",
+    )
     corner_things(s, names, 5 if s.room.area > 20 else 3)
     if some(s, 0.4) and s.doors:
         s.over_opening("exit sign", s.doors[0], s.doors[0].head_m + 0.1)
@@ -197,7 +211,18 @@ def playroom(s: RoomSpace) -> None:
     s.against_wall("toy box", "any", front_m=0.2)
     if some(s, 0.5):
         s.against_wall("drum set", "corner")
-    names = ("teddy bear", "rocking horse", "guitar", "bookshelf", "ottoman", "exercise ball", "globe", "potted plant", "stereo", "stool")
+    names = (
+        "teddy bear",
+        "rocking horse",
+        "guitar",
+        "bookshelf",
+        "ottoman",
+        "exercise ball",
+        "globe",
+        "potted plant",
+        "stereo",
+        "stool",
+    )
     corner_things(s, names, 4)
     if some(s, 0.4):
         s.against_wall("sofa", "centre", front_m=0.2)
@@ -214,7 +239,7 @@ def balcony(s: RoomSpace) -> None:
     """Wicker chairs, a small table, plants, a grill."""
     look = s.taste.look("patio chair")
     chair = s.against_wall("patio chair", "far", look=look, gap_m=0.03)
-    if chair is not None and s.side_of(chair):
+    if chair is not None:
         table = s.beside(chair, "patio table", left=True, gap_m=0.05) or s.beside(chair, "patio table", left=False, gap_m=0.05)
         s.on_top(table, "flowers" if some(s, 0.5) else "teapot", at=0.0)
     s.against_wall("patio chair", "far", look=look, gap_m=0.03)

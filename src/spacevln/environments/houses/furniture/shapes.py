@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
 
-from spacevln.environments.houses.furniture.mesh import CUSTOM, UnitMesh, double_sided, extrude, lathe, superellipsoid, torus, unit_mesh
+from spacevln.environments.houses.furniture.mesh import (
+    CUSTOM,
+    Array,
+    Faces,
+    UnitMesh,
+    double_sided,
+    extrude,
+    lathe,
+    superellipsoid,
+    torus,
+    unit_mesh,
+)
 
 
 def _foliage(leaves: int, droop: float, width: float, seed: int) -> UnitMesh:
     """Leaves that grow out of (0, 0, -1) and bend over."""
     rng = np.random.default_rng([seed, 11])
-    points, faces = [], []
+    points: list[tuple[float, float, float]] = []
+    faces: list[tuple[int, int, int]] = []
     for k in range(leaves):
         yaw = 2.4 * k + rng.uniform(-0.3, 0.3)
         lift = rng.uniform(0.35, 1.0)
@@ -35,7 +48,9 @@ def _foliage(leaves: int, droop: float, width: float, seed: int) -> UnitMesh:
 def _bush() -> UnitMesh:
     rng = np.random.default_rng([5, 11])
     ball = superellipsoid(1.0, 9, 6)
-    points, normals, faces = [], [], []
+    points: list[Array] = []
+    normals: list[Array] = []
+    faces: list[Faces] = []
     for k in range(9):
         centre = np.array([0.0, 0.0, 0.0]) if k == 0 else rng.uniform(-0.5, 0.5, 3)
         faces.append(ball.faces + sum(len(p) for p in points))
@@ -48,7 +63,9 @@ def _curtain() -> UnitMesh:
     x = np.linspace(-1, 1, 25)
     y = 0.9 * np.sin(x * np.pi * 5)
     slope = 0.9 * 5 * np.pi * np.cos(x * np.pi * 5) * 0.12
-    points, normals, faces = [], [], []
+    points: list[tuple[float, float, int]] = []
+    normals: list[Array] = []
+    faces: list[tuple[int, int, int]] = []
     for k, (px, py, s) in enumerate(zip(x, y, slope, strict=True)):
         for z in (-1, 1):
             points.append((px, py, z))
@@ -67,7 +84,7 @@ def _basin(power: float, wall: float = 0.16) -> UnitMesh:
     inner = 1 - wall
     bands = ((0.72, -1), (0.97, 0.6), (1.0, 1.0), (inner, 1.0), (inner - 0.12, -0.4), (0.02, -0.55))
     corners = []
-    for (r0, z0), (r1, z1) in zip(bands[:-1], bands[1:], strict=True):
+    for (r0, z0), (r1, z1) in itertools.pairwise(bands):
         for k in range(20):
             n = (k + 1) % 20
             a, b = (*ring[k] * r0, z0), (*ring[n] * r0, z0)
@@ -78,11 +95,13 @@ def _basin(power: float, wall: float = 0.16) -> UnitMesh:
 
 
 CAR = [
-    (-1.0, -0.55), (-0.82, -0.7), (0.86, -0.7), (1.0, -0.5), (0.98, -0.1), (0.62, 0.08), (0.3, 0.95), (-0.5, 1.0), (-0.86, 0.2), (-1.0, 0.1)
+    (-1.0, -0.55), (-0.82, -0.7), (0.86, -0.7), (1.0, -0.5), (0.98, -0.1), (0.62, 0.08), (0.3, 0.95),
+    (-0.5, 1.0), (-0.86, 0.2), (-1.0, 0.1)
 ]  # fmt: skip
 CABIN = [(-1.0, -1.0), (1.0, -1.0), (0.45, 1.0), (-0.62, 1.0)]
 GRAND = [
-    (-1.0, 1.0), (-1.0, -0.55), (-0.8, -0.95), (-0.4, -1.0), (-0.1, -0.8), (0.1, -0.35), (0.4, 0.05), (0.85, 0.25), (1.0, 0.55), (1.0, 1.0)
+    (-1.0, 1.0), (-1.0, -0.55), (-0.8, -0.95), (-0.4, -1.0), (-0.1, -0.8), (0.1, -0.35),
+    (0.4, 0.05), (0.85, 0.25), (1.0, 0.55), (1.0, 1.0)
 ]  # fmt: skip
 GUITAR = [
     (0.0, -1.0), (0.6, -0.92), (0.98, -0.55), (0.85, -0.12), (0.55, 0.15), (0.7, 0.5), (0.6, 0.85), (0.2, 1.0),
@@ -96,9 +115,31 @@ BUST = [
     (0.0, -1.0), (0.85, -1.0), (0.85, -0.86), (0.45, -0.8), (0.55, -0.55), (1.0, -0.3), (0.95, -0.08), (0.4, 0.1),
     (0.28, 0.22), (0.3, 0.32), (0.48, 0.42), (0.56, 0.64), (0.48, 0.86), (0.25, 0.98), (0.0, 1.0)
 ]  # fmt: skip
-VASE = [(0.0, -1.0), (0.5, -1.0), (0.9, -0.5), (1.0, -0.1), (0.8, 0.35), (0.42, 0.65), (0.4, 0.8), (0.6, 1.0), (0.42, 0.95), (0.0, 0.7)]
+VASE = [
+    (0.0, -1.0),
+    (0.5, -1.0),
+    (0.9, -0.5),
+    (1.0, -0.1),
+    (0.8, 0.35),
+    (0.42, 0.65),
+    (0.4, 0.8),
+    (0.6, 1.0),
+    (0.42, 0.95),
+    (0.0, 0.7),
+]
 POT = [(0.0, -1.0), (0.66, -1.0), (0.92, 0.75), (1.0, 0.75), (1.0, 1.0), (0.84, 1.0), (0.8, 0.7), (0.0, 0.7)]
-TEAPOT = [(0.0, -1.0), (0.6, -1.0), (0.92, -0.55), (1.0, -0.1), (0.85, 0.35), (0.5, 0.62), (0.45, 0.7), (0.15, 0.8), (0.14, 1.0), (0.0, 1.0)]
+TEAPOT = [
+    (0.0, -1.0),
+    (0.6, -1.0),
+    (0.92, -0.55),
+    (1.0, -0.1),
+    (0.85, 0.35),
+    (0.5, 0.62),
+    (0.45, 0.7),
+    (0.15, 0.8),
+    (0.14, 1.0),
+    (0.0, 1.0),
+]
 BOTTLE = [(0.0, -1.0), (1.0, -1.0), (1.0, 0.1), (0.4, 0.45), (0.34, 1.0), (0.0, 1.0)]
 SHADE = [(0.0, -0.96), (0.96, -0.98), (1.0, -1.0), (0.62, 1.0), (0.0, 1.0)]
 BUCKET = [(0.0, -1.0), (0.78, -1.0), (1.0, 1.0), (0.9, 1.0), (0.72, -0.7), (0.0, -0.7)]

@@ -5,104 +5,30 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
 from spacevln.environments.houses.furniture.kit import CATALOGUE, Design, design
 from spacevln.environments.houses.furniture.leaf import CASING_M, face_of, leaf_place
+from spacevln.environments.houses.furniture.mesh import Array
+from spacevln.environments.houses.furniture.walls import (
+    TOUCH_M,
+    Block,
+    Pose2,
+    Side,
+    footprint,
+    footprint_of,
+    overlap,
+    room_sides,
+    strip_before,
+)
 from spacevln.environments.houses.placement import PlacementGuard
 from spacevln.environments.houses.plan import House, Item, Opening, Rect, Room
 
 _WALL_GAP_M = 0.01
-_TOUCH_M = 0.002
 Prefer = str
 """Where along the walls: ``"corner"``, ``"centre"``, ``"door"`` (beside one), ``"far"`` (from the doors) or ``"any"``."""
-
-
-@dataclass(frozen=True, slots=True)
-class Side:
-    """A stretch of a room's walls.
-
-    Args:
-        along: axis along which it runs.
-        at: coordinate of its face across.
-        low, high: its ends along.
-        inward: +1 or -1, sign of the direction across that leads into the room.
-    """
-
-    along: str
-    at: float
-    low: float
-    high: float
-    inward: int
-
-    @property
-    def length(self) -> float:
-        """Length [m]."""
-        return self.high - self.low
-
-    @property
-    def yaw_rad(self) -> float:
-        """Yaw of an item with its back to this wall (its front faces the room)."""
-        if self.along == "x":
-            return 0.0 if self.inward > 0 else math.pi
-        return -math.pi / 2 if self.inward > 0 else math.pi / 2
-
-    def point(self, t: float, away_m: float) -> tuple[float, float]:
-        """The point at ``t`` along the wall and ``away_m`` into the room."""
-        across = self.at + self.inward * away_m
-        return (t, across) if self.along == "x" else (across, t)
-
-
-@dataclass(frozen=True, slots=True)
-class Block:
-    """A taken volume."""
-
-    rect: Rect
-    z0_m: float
-    z1_m: float
-
-
-@dataclass(frozen=True, slots=True)
-class Pose2:
-    """Where an item would stand."""
-
-    x: float
-    y: float
-    yaw_rad: float
-
-
-def footprint(made: Design, at: Pose2) -> Rect:
-    """Bounding rectangle of a placed design (exact for quarter turns)."""
-    c, s = abs(math.cos(at.yaw_rad)), abs(math.sin(at.yaw_rad))
-    w, d = made.size[0] * c + made.size[1] * s, made.size[0] * s + made.size[1] * c
-    return Rect(at.x - w / 2, at.y - d / 2, at.x + w / 2, at.y + d / 2)
-
-
-def overlap(a: Rect, b: Rect, slack: float = _TOUCH_M) -> bool:
-    """Whether two rectangles share more than ``slack``."""
-    return a.x0 < b.x1 - slack and b.x0 < a.x1 - slack and a.y0 < b.y1 - slack and b.y0 < a.y1 - slack
-
-
-def room_sides(room: Room) -> list[Side]:
-    """The outline of a union of rectangles, without the edges where two of them touch."""
-    found: list[Side] = []
-    for rect in room.rects:
-        others = [r for r in room.rects if r is not rect]
-        for along, at, low, high, inward in (
-            ("x", rect.y0, rect.x0, rect.x1, 1),
-            ("x", rect.y1, rect.x0, rect.x1, -1),
-            ("y", rect.x0, rect.y0, rect.y1, 1),
-            ("y", rect.x1, rect.y0, rect.y1, -1),
-        ):
-            spans = [(low, high)]
-            for other in others:
-                a, b = (other.y0, other.y1) if along == "x" else (other.x0, other.x1)
-                cut = (other.x0, other.x1) if along == "x" else (other.y0, other.y1)
-                if a - 0.15 < at < b + 0.15:
-                    spans = [piece for span in spans for piece in ((span[0], min(span[1], cut[0])), (max(span[0], cut[1]), span[1]))]
-            found += [Side(along, at, a, b, inward) for a, b in spans if b - a > 0.3]
-    return found
 
 
 @dataclass(slots=True)
@@ -157,11 +83,11 @@ class RoomSpace:
             face = face_of(o, self.room)
             wide, deep = o.width_m / 2 + CASING_M + 0.02, 0.06 if o.kind != "window" else 0.11
             head = o.head_m + CASING_M + 0.02
-            self._blocks.append(Block(_beside(o, -wide, wide, face, half, deep), max(0.0, o.sill_m - 0.04), head))
+            self._blocks.append(Block(strip_before(o, -wide, wide, face, half, deep), max(0.0, o.sill_m - 0.04), head, o.id))
             leaf = leaf_place(house, o)
             if leaf is not None and leaf.room == self.room.id:
                 near, far = leaf.side * o.width_m / 2, leaf.side * (1.5 * o.width_m + 0.03)
-                self._blocks.append(Block(_beside(o, min(near, far), max(near, far), face, half, 0.14), 0.0, o.head_m))
+                self._blocks.append(Block(strip_before(o, min(near, far), max(near, far), face, half, 0.14), 0.0, o.head_m))
         for stairs in house.stairs:
             if self.room.floor in (stairs.lower_floor, stairs.lower_floor + 1):
                 r = stairs.rect
@@ -191,7 +117,7 @@ class RoomSpace:
         """Whether a volume is in the room and free; heights over the floor."""
         if not self.inside(rect) or z1 > self.ceiling_m - 0.005:
             return False
-        if any(z0 < b.z1_m - _TOUCH_M and b.z0_m < z1 - _TOUCH_M and overlap(rect, b.rect) for b in self._blocks):
+        if any(z0 < b.z1_m - TOUCH_M and b.z0_m < z1 - TOUCH_M and overlap(rect, b.rect) for b in self._blocks):
             return False
         return not solid or ignore_reserved or not any(overlap(rect, zone) for zone in self._reserved)
 
@@ -215,9 +141,7 @@ class RoomSpace:
             self._blocks.append(Block(footprint(made, at), z, z + made.size[2]))
         return item
 
-    def stand(
-        self, group: Sequence[tuple[Design, Pose2]], front_m: float = 0.0, inner: bool = False
-    ) -> list[Item] | None:
+    def stand(self, group: Sequence[tuple[Design, Pose2]], front_m: float = 0.0, inner: bool = False) -> list[Item] | None:
         """Put solid things on the floor together; ``front_m`` is kept free of other solid things before the first."""
         rects = [footprint(made, at) for made, at in group]
         if any(overlap(a, b) for i, a in enumerate(rects) for b in rects[:i]):
@@ -251,37 +175,46 @@ class RoomSpace:
             low, high = side.low + width / 2 + _WALL_GAP_M, side.high - width / 2 - _WALL_GAP_M
             if high < low:
                 continue
-            count = max(1, int((high - low) / 0.18) + 1)
-            for t in np.linspace(low, high, count) if count > 1 else [(low + high) / 2]:
-                t = float(t)
-                found.append((self._rank(side, t, low, high, prefer) + float(self.rng.uniform(0, 0.3)), side, t))
+            t = np.linspace(low, high, max(2, int((high - low) / 0.18) + 1))
+            ranks = self._ranks(side, t, low, high, prefer) + self.rng.uniform(0, 0.3, len(t))
+            found += [(rank, side, place) for rank, place in zip(ranks.tolist(), t.tolist(), strict=True)]
         found.sort(key=lambda spot: spot[0])
         return [(side, t) for _, side, t in found]
 
-    def _rank(self, side: Side, t: float, low: float, high: float, prefer: Prefer) -> float:
+    def _ranks(self, side: Side, t: Array, low: float, high: float, prefer: Prefer) -> Array:
         if prefer == "corner":
-            return min(t - low, high - t)
+            return np.minimum(t - low, high - t)
         if prefer == "centre":
-            return abs(t - (low + high) / 2) - 0.35 * side.length
-        if prefer in ("door", "far"):
-            x, y = side.point(t, 0.3)
-            away = min((math.dist((x, y), (o.x, o.y)) for o in self.doors), default=0.0)
-            return away if prefer == "door" else -away
-        return float(self.rng.uniform(0, 3))
+            return np.asarray(np.abs(t - (low + high) / 2) - 0.35 * side.length)
+        if prefer in ("door", "far") and self.doors:
+            across = side.at + side.inward * 0.3
+            x, y = (t, across) if side.along == "x" else (across, t)
+            away = np.min([np.hypot(x - o.x, y - o.y) for o in self.doors], axis=0)
+            return np.asarray(away if prefer == "door" else -away)
+        return self.rng.uniform(0, 3, len(t))
 
     def against_wall(
         self, category: str, prefer: Prefer = "any", look: int | None = None, front_m: float = 0.0, gap_m: float = _WALL_GAP_M,
-        sides: Iterable[Side] | None = None,
+        tries: int = 40, form: int | None = None,
     ) -> Item | None:  # fmt: skip
         """Back to a wall."""
-        made, _ = self.make(category, look)
-        for side, t in self.spots(made.size[0], prefer, sides)[:40]:
+        made, _ = self.make(category, look, form)
+        for side, t in self.spots(made.size[0], prefer)[:tries]:
             x, y = side.point(t, gap_m + made.size[1] / 2)
             placed = self.stand([(made, Pose2(x, y, side.yaw_rad))], front_m)
             if placed:
                 self._side_of[placed[0].id] = (side, t)
                 return placed[0]
         return None
+
+    def surely(self, category: str, prefer: Prefer = "any", look: int | None = None, front_m: float = 0.3) -> Item | None:
+        """Back to a wall: as wished, else anywhere, at last in its smallest form."""
+        chosen = self.taste.look(category) if look is None else look
+        return (
+            self.against_wall(category, prefer, chosen, front_m)
+            or self.against_wall(category, "any", chosen, tries=200)
+            or self.against_wall(category, "any", chosen, tries=200, form=smallest_form(category))
+        )
 
     def remember_side(self, item: Item, side: Side, t: float) -> None:
         """Note against which wall an item stands."""
@@ -292,17 +225,20 @@ class RoomSpace:
         return self._side_of.get(item.id)
 
     def beside(self, anchor: Item, category: str, left: bool, gap_m: float = 0.04, look: int | None = None) -> Item | None:
-        """Next to something that stands against a wall, against the same wall."""
+        """Next to an item, their backs in line."""
         made, _ = self.make(category, look)
-        side, t = self._side_of[anchor.id]
-        sign = -1 if left else 1
-        t2 = t + sign * ((anchor.size[0] + made.size[0]) / 2 + gap_m)
-        x, y = side.point(t2, _WALL_GAP_M + made.size[1] / 2)
-        placed = self.stand([(made, Pose2(x, y, side.yaw_rad))])
-        if placed:
-            self._side_of[placed[0].id] = (side, t2)
-            return placed[0]
-        return None
+        shift = (-1 if left else 1) * ((anchor.size[0] + made.size[0]) / 2 + gap_m)
+        back = (made.size[1] - anchor.size[1]) / 2
+        c, s = math.cos(anchor.yaw_rad), math.sin(anchor.yaw_rad)
+        at = Pose2(anchor.x + c * shift - s * back, anchor.y + s * shift + c * back, anchor.yaw_rad)
+        placed = self.stand([(made, at)])
+        if placed is None:
+            return None
+        behind = self._side_of.get(anchor.id)
+        if behind is not None:
+            side = behind[0]
+            self._side_of[placed[0].id] = (side, at.x if side.along == "x" else at.y)
+        return placed[0]
 
     def before(self, anchor: Item, made: Design, gap_m: float, face_it: bool, shift_m: float = 0.0) -> tuple[Design, Pose2]:
         """Where something in front of an anchor would stand."""
@@ -312,8 +248,8 @@ class RoomSpace:
         y = anchor.y + math.sin(forward) * reach + math.sin(anchor.yaw_rad) * shift_m
         return made, Pose2(x, y, _wrap(anchor.yaw_rad + (math.pi if face_it else 0.0)))
 
-    def wall_behind(self, what: tuple[Design, Pose2]) -> tuple[Design, Pose2] | None:
-        """The same thing pushed back to the wall behind it when that is nearer than 0.7 m, else None."""
+    def wall_behind(self, what: tuple[Design, Pose2]) -> tuple[tuple[Design, Pose2], tuple[Side, float]] | None:
+        """The same thing pushed back to the wall behind it, and where along which, when that is nearer than 0.7 m."""
         made, at = what
         for side in self.sides:
             if abs(math.sin((side.yaw_rad - at.yaw_rad) / 2)) > 0.01:
@@ -322,10 +258,12 @@ class RoomSpace:
             back = (across - side.at) * side.inward - made.size[1] / 2
             if side.low <= t <= side.high and 0.0 <= back < 0.7:
                 x, y = side.point(t, _WALL_GAP_M + made.size[1] / 2)
-                return made, Pose2(x, y, at.yaw_rad)
+                return (made, Pose2(x, y, at.yaw_rad)), (side, t)
         return None
 
-    def free_standing(self, category: str, yaws: Sequence[float] = (0.0,), look: int | None = None, spread: float = 0.6) -> Item | None:
+    def free_standing(
+        self, category: str, yaws: Sequence[float] = (0.0,), look: int | None = None, spread: float = 0.6
+    ) -> Item | None:
         """Somewhere in the room, the middle first."""
         made, _ = self.make(category, look)
         for x, y in self.middle_out(spread):
@@ -344,7 +282,9 @@ class RoomSpace:
         near = sorted(grid, key=lambda p: (math.hypot(p[0] - cx, p[1] - cy), p))
         return [p for p in near if rect.contains(*p, 0.2)][:60]
 
-    def on_top(self, support: Item | None, category: str, at: float | None = None, back: bool = False, look: int | None = None) -> Item | None:
+    def on_top(
+        self, support: Item | None, category: str, at: float | None = None, back: bool = False, look: int | None = None
+    ) -> Item | None:
         """On a support; ``at`` from -1 (left end) to 1 (right end), by default the first free place."""
         if support is None:
             return None
@@ -369,7 +309,13 @@ class RoomSpace:
         return None
 
     def on_wall(
-        self, category: str, z: float, prefer: Prefer = "any", above: Item | None = None, look: int | None = None, lift: float = 0.0
+        self,
+        category: str,
+        z: float,
+        prefer: Prefer = "any",
+        above: Item | None = None,
+        look: int | None = None,
+        lift: float = 0.0,
     ) -> Item | None:
         """Hung on a wall, its lower edge ``z`` over the floor; ``above`` hangs it over an item against a wall."""
         made, _ = self.make(category, look)
@@ -403,7 +349,7 @@ class RoomSpace:
                 if not self.inside(rect) or z + made.size[2] > self.ceiling_m - 0.01:
                     return None
                 if category == "curtain":
-                    clash = [b for b in self._blocks if overlap(rect, b.rect, 0.05) and not _is_hole(b, opening, side)]
+                    clash = [b for b in self._blocks if overlap(rect, b.rect) and b.opening != opening.id]
                     if clash:
                         return None
                 elif not self.fits(rect, z, z + made.size[2], False):
@@ -438,22 +384,10 @@ class RoomSpace:
         return self._next
 
 
-def footprint_of(item: Item) -> Rect:
-    """Bounding rectangle of an item."""
-    return footprint(Design(item.category, item.attributes, item.size, item.parts), Pose2(item.x, item.y, item.yaw_rad))
-
-
-def _beside(opening: Opening, low: float, high: float, face: int, half: float, deep: float) -> Rect:
-    """A strip before a wall: from ``low`` to ``high`` along it, relative to the opening, and ``deep`` into the room."""
-    near, far = sorted((face * half, face * (half + deep)))
-    if opening.along == "x":
-        return Rect(opening.x + low, opening.y + near, opening.x + high, opening.y + far)
-    return Rect(opening.x + near, opening.y + low, opening.x + far, opening.y + high)
-
-
-def _is_hole(block: Block, opening: Opening, side: Side) -> bool:
-    x, y = block.rect.centre
-    return abs((x - opening.x) if side.along == "x" else (y - opening.y)) < 1e-6
+@lru_cache(maxsize=256)
+def smallest_form(category: str) -> int:
+    """The form of a category that takes the least floor."""
+    return min(range(6), key=lambda form: design(category, 0, form).size[0] * design(category, 0, form).size[1])
 
 
 def _wrap(angle: float) -> float:

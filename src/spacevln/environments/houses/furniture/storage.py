@@ -6,12 +6,10 @@ import numpy as np
 
 from spacevln.environments.houses.furniture.kit import Kit, Look, kind, looks, woods
 
-Rng = np.random.Generator
-
 
 @kind("bookshelf", (*woods("oak", "walnut", "white", "black"), *looks(("brown wooden tall", "wood-cherry", "wood-cherry"))))
-def bookshelf(k: Kit, look: Look, rng: Rng) -> None:
-    w, d, h = float(rng.choice([0.8, 1.0, 1.2])), 0.32, 1.9
+def _bookshelf(k: Kit, look: Look) -> None:
+    w, d, h = float(k.rng.choice([0.8, 1.0, 1.2])), 0.32, 1.9
     for s in (-1, 1):
         k.box(look.main, 0.03, d, h, x=s * (w / 2 - 0.015))
     k.box(look.main, w, 0.015, h, y=-d / 2 + 0.008)
@@ -20,14 +18,22 @@ def bookshelf(k: Kit, look: Look, rng: Rng) -> None:
         k.box(look.main, w - 0.05, d - 0.01, 0.03, z=z)
         if i < 5:
             span = (w - 0.1) * (1.0 if i % 2 else 0.78)
-            k.box(f"books-{(i + look.variant + int(rng.integers(4))) % 4}", span, d - 0.1, 0.25, x=-(w - 0.1 - span) / 2, y=-0.01, z=z + 0.03)
+            k.box(
+                f"books-{(i + look.variant + int(k.rng.integers(4))) % 4}",
+                span,
+                d - 0.1,
+                0.25,
+                x=-(w - 0.1 - span) / 2,
+                y=-0.01,
+                z=z + 0.03,
+            )
             if i % 2 == 0:
                 k.mesh("vase", ("gloss-teal", "gloss-orange", "gloss-white")[i // 2], 0.11, 0.11, 0.2, x=w / 2 - 0.13, z=z + 0.03)
     k.box(look.main, w, d - 0.02, 0.06)
 
 
 @kind("cabinet", (*woods("oak", "white", "walnut", "gray"), *looks(("green", "plain-sage", "plain-sage"))), top_m=0.9)
-def cabinet(k: Kit, look: Look, rng: Rng) -> None:
+def _cabinet(k: Kit, look: Look) -> None:
     w, d = 0.9, 0.42
     k.box("plain-black", w - 0.06, d - 0.06, 0.06)
     k.box(look.main, w, d - 0.03, 0.8, y=-0.015, z=0.06)
@@ -35,8 +41,16 @@ def cabinet(k: Kit, look: Look, rng: Rng) -> None:
     k.fronts(look.main, "gloss-silver", w - 0.03, 0.76, d / 2 - 0.02, 0.08, 2, 1)
 
 
-@kind("filing cabinet", looks(("gray metal", "plain-gray", "gloss-steel"), ("black metal", "plain-charcoal", "gloss-steel"), ("beige metal", "plain-beige", "gloss-steel")), top_m=1.1)
-def filing_cabinet(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "filing cabinet",
+    looks(
+        ("gray metal", "plain-gray", "gloss-steel"),
+        ("black metal", "plain-charcoal", "gloss-steel"),
+        ("beige metal", "plain-beige", "gloss-steel"),
+    ),
+    top_m=1.1,
+)
+def _filing_cabinet(k: Kit, look: Look) -> None:
     w, d, h = 0.44, 0.55, 1.1
     k.box(look.main, w, d - 0.03, h, y=-0.015)
     k.fronts(look.main, look.trim, w - 0.02, h - 0.06, d / 2 - 0.02, 0.03, 1, 4, 0.02)
@@ -44,24 +58,32 @@ def filing_cabinet(k: Kit, look: Look, rng: Rng) -> None:
         k.box("plain-white", 0.1, 0.01, 0.04, y=d / 2, z=0.2 + j * 0.26)
 
 
-@kind("storage rack", looks(("gray metal", "plain-steel", "plain-charcoal"), ("black metal", "plain-charcoal", "plain-charcoal"), ("brown wooden", "wood-pine", "wood-pine")))
-def storage_rack(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "storage rack",
+    looks(
+        ("gray metal", "plain-steel", "plain-charcoal"),
+        ("black metal", "plain-charcoal", "plain-charcoal"),
+        ("brown wooden", "wood-pine", "wood-pine"),
+    ),
+)
+def _storage_rack(k: Kit, look: Look) -> None:
     w, d, h = 1.1, 0.42, 1.8
     k.legs(look.trim, w, d, h, 0.04)
     boxes = (
-        ("cardboard-tan", 0.34, 0.3, 0.24), ("plain-blue", 0.3, 0.28, 0.18), ("plain-red", 0.22, 0.22, 0.26), ("plain-green", 0.3, 0.26, 0.2)
+        ("cardboard-tan", 0.34, 0.3, 0.24), ("plain-blue", 0.3, 0.28, 0.18),
+        ("plain-red", 0.22, 0.22, 0.26), ("plain-green", 0.3, 0.26, 0.2)
     )  # fmt: skip
     for i in range(4):
         z = 0.12 + i * 0.54
         k.box(look.main, w, d, 0.03, z=z)
         if i < 3:
             for j in range(3):
-                stuff, bw, bd, bh = boxes[(i + j * 2 + int(rng.integers(3))) % 4]
+                stuff, bw, bd, bh = boxes[(i + j * 2 + int(k.rng.integers(3))) % 4]
                 k.box(stuff, bw, bd, bh, x=(j - 1) * 0.35, z=z + 0.03)
 
 
 @kind("shoe rack", woods("oak", "white", "black"), top_m=0.5)
-def shoe_rack(k: Kit, look: Look, rng: Rng) -> None:
+def _shoe_rack(k: Kit, look: Look) -> None:
     w, d = 0.8, 0.3
     shoes = ("plain-red", "plain-black", "plain-white", "plain-brown", "plain-blue")
     for s in (-1, 1):
@@ -69,7 +91,7 @@ def shoe_rack(k: Kit, look: Look, rng: Rng) -> None:
     for i, z in enumerate((0.06, 0.27, 0.47)):
         k.box(look.main, w, d, 0.025, z=z)
         for j in range(3 if i < 2 else 0):
-            stuff = shoes[(i * 3 + j + int(rng.integers(5))) % 5]
+            stuff = shoes[(i * 3 + j + int(k.rng.integers(5))) % 5]
             for s in (-1, 1):
                 x = (j - 1) * 0.25 + s * 0.05
                 k.mesh("cushion", stuff, 0.085, 0.26, 0.07, x=x, z=z + 0.025)
@@ -77,20 +99,36 @@ def shoe_rack(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("coat rack", (*woods("oak", "black", "white"), *looks(("black metal", "gloss-black", "gloss-black"))))
-def coat_rack(k: Kit, look: Look, rng: Rng) -> None:
+def _coat_rack(k: Kit, look: Look) -> None:
     k.rod(look.main, 0.2, 0.04)
     k.rod(look.main, 0.025, 1.72, z=0.04)
     for i in range(6):
         a = i * np.pi / 3
-        k.rod(look.main, 0.012, 0.2, x=0.09 * np.cos(a), y=0.09 * np.sin(a), z=1.58, turn=(-0.8 * float(np.sin(a)), 0.8 * float(np.cos(a)), 0))
+        k.rod(
+            look.main,
+            0.012,
+            0.2,
+            x=0.09 * np.cos(a),
+            y=0.09 * np.sin(a),
+            z=1.58,
+            turn=(-0.8 * float(np.sin(a)), 0.8 * float(np.cos(a)), 0),
+        )
     k.mesh("cushion", "fabric-navy", 0.36, 0.16, 0.9, x=-0.06, y=0.13, z=0.74)
     k.mesh("cushion", "fabric-burgundy", 0.14, 0.32, 0.78, x=0.14, y=-0.02, z=0.84)
     k.rod("fabric-tan", 0.16, 0.015, z=1.74)
     k.mesh("pillow", "fabric-tan", 0.2, 0.2, 0.16, z=1.72)
 
 
-@kind("trash can", looks(("gray metal", "brushed-silver", "plain-charcoal"), ("black", "plain-black", "plain-charcoal"), ("white", "plain-white", "plain-silver"), ("green", "plain-green", "plain-charcoal")))
-def trash_can(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "trash can",
+    looks(
+        ("gray metal", "brushed-silver", "plain-charcoal"),
+        ("black", "plain-black", "plain-charcoal"),
+        ("white", "plain-white", "plain-silver"),
+        ("green", "plain-green", "plain-charcoal"),
+    ),
+)
+def _trash_can(k: Kit, look: Look) -> None:
     k.rod(look.main, 0.15, 0.5, z=0.02)
     k.rod(look.trim, 0.155, 0.03)
     k.rod(look.trim, 0.156, 0.05, z=0.5)
@@ -98,8 +136,16 @@ def trash_can(k: Kit, look: Look, rng: Rng) -> None:
     k.box(look.trim, 0.1, 0.06, 0.02, y=0.16, z=0.02)
 
 
-@kind("suitcase", looks(("blue", "gloss-blue", "plain-silver"), ("red", "gloss-red", "plain-charcoal"), ("black", "gloss-black", "plain-silver"), ("yellow", "gloss-yellow", "plain-charcoal")))
-def suitcase(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "suitcase",
+    looks(
+        ("blue", "gloss-blue", "plain-silver"),
+        ("red", "gloss-red", "plain-charcoal"),
+        ("black", "gloss-black", "plain-silver"),
+        ("yellow", "gloss-yellow", "plain-charcoal"),
+    ),
+)
+def _suitcase(k: Kit, look: Look) -> None:
     k.mesh("cushion", look.main, 0.44, 0.26, 0.64, z=0.05)
     for i in range(4):
         k.box(look.main, 0.02, 0.27, 0.5, x=(i - 1.5) * 0.09, z=0.12)
@@ -111,18 +157,24 @@ def suitcase(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("cardboard box", looks(("brown", "cardboard-tan", "plain-beige")), top_m=0.4)
-def cardboard_box(k: Kit, look: Look, rng: Rng) -> None:
+def _cardboard_box(k: Kit, look: Look) -> None:
     w, d, h = 0.5, 0.42, 0.4
     k.box(look.main, w, d, h)
     k.box(look.trim, w + 0.004, 0.06, h + 0.004, z=-0.002)
     k.box("plain-brown", 0.12, 0.004, 0.08, x=-0.12, y=d / 2, z=0.12)
-    if rng.random() < 0.6:
+    if k.rng.random() < 0.6:
         k.box(look.main, 0.36, 0.32, 0.26, x=0.03, z=h, turn=(0, 0, 0.25))
         k.box(look.trim, 0.364, 0.05, 0.262, x=0.03, z=h, turn=(0, 0, 0.25))
 
 
-@kind("laundry basket", (*looks(("brown wicker", "wicker-tan", "fabric-white"), ("white wicker", "wicker-white", "fabric-blue")), *looks(("blue", "plain-blue", "fabric-white"))))
-def laundry_basket(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "laundry basket",
+    (
+        *looks(("brown wicker", "wicker-tan", "fabric-white"), ("white wicker", "wicker-white", "fabric-blue")),
+        *looks(("blue", "plain-blue", "fabric-white")),
+    ),
+)
+def _laundry_basket(k: Kit, look: Look) -> None:
     k.mesh("bucket", look.main, 0.5, 0.42, 0.5)
     for i, stuff in enumerate((look.trim, "fabric-red", "fabric-sky")):
         a = i * 2.1
@@ -130,8 +182,13 @@ def laundry_basket(k: Kit, look: Look, rng: Rng) -> None:
     k.mesh("thinring", look.main, 0.52, 0.05, 0.44, z=0.28, turn=(np.pi / 2, 0, 0))
 
 
-@kind("toy box", looks(("red", "plain-red", "plain-yellow"), ("blue", "plain-blue", "plain-orange"), ("brown wooden", "wood-pine", "plain-teal")))
-def toy_box(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "toy box",
+    looks(
+        ("red", "plain-red", "plain-yellow"), ("blue", "plain-blue", "plain-orange"), ("brown wooden", "wood-pine", "plain-teal")
+    ),
+)
+def _toy_box(k: Kit, look: Look) -> None:
     w, d, h = 0.8, 0.46, 0.42
     for s in (-1, 1):
         k.box(look.main, w, 0.025, h, y=s * (d / 2 - 0.012))
@@ -147,7 +204,7 @@ def toy_box(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("umbrella stand", looks(("gold metal", "gloss-brass", "fabric-red"), ("black metal", "plain-black", "fabric-blue")))
-def umbrella_stand(k: Kit, look: Look, rng: Rng) -> None:
+def _umbrella_stand(k: Kit, look: Look) -> None:
     k.mesh("bucket", look.main, 0.26, 0.26, 0.55)
     for i, stuff in enumerate((look.trim, "fabric-black", "fabric-green")):
         a = i * 2.1 + 0.4
@@ -157,7 +214,7 @@ def umbrella_stand(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("wine rack", woods("walnut", "oak", "black"))
-def wine_rack(k: Kit, look: Look, rng: Rng) -> None:
+def _wine_rack(k: Kit, look: Look) -> None:
     w, d, h = 0.64, 0.32, 1.1
     k.box(look.main, w, 0.02, h, y=-d / 2 + 0.01)
     for i in range(5):

@@ -16,7 +16,7 @@ FLOORS: dict[str, tuple[str, ...]] = {
     "dining room": _WOOD,
     "garage": ("concrete-gray", "concrete-silver"),
     "gym": ("rubber-charcoal", "rubber-gray"),
-    "hallway": ("planks-oak", "planks-walnut", "planks-maple", "marble-ivory"),
+    "hallway": ("planks-oak", "planks-walnut", "planks-maple", "tile-ivory"),
     "kitchen": ("tile-ivory", "checker-white", "tile-terracotta", "tile-silver"),
     "laundry room": ("tile-silver", "tile-sage", "checker-sky"),
     "library": ("planks-walnut", "carpet-burgundy", "planks-cherry"),
@@ -41,7 +41,7 @@ WALLS: dict[str, tuple[str, ...]] = {
     "kitchen": ("wall-paint-cream", "wall-tile-ivory", "wall-paint-mint", "wall-paint-white", "wall-paint-yellow"),
     "laundry room": ("wall-paint-white", "wall-tile-white", "wall-paint-mint"),
     "library": ("wall-panel-oak", "wall-panel-walnut", "wall-damask-olive"),
-    "living room": tuple(f"wall-paint-{colour}" for colour in _LIVING) + ("wall-damask-ivory", "wall-stripes-beige"),
+    "living room": (*(f"wall-paint-{colour}" for colour in _LIVING), "wall-damask-ivory", "wall-stripes-beige"),
     "office": ("wall-paint-sage", "wall-paint-ivory", "wall-panel-maple", "wall-paint-silver"),
     "playroom": ("wall-paint-yellow", "wall-stripes-sky", "wall-paint-mint", "wall-paint-pink"),
 }  # fmt: skip
@@ -57,7 +57,10 @@ def choose_styles(rooms: tuple[Room, ...], rng: np.random.Generator) -> tuple[tu
         if room.type in shared:
             chosen.append(shared[room.type])
             continue
-        style = (_next("floor", room.type, FLOORS[room.type], queues, rng), _next("wall", room.type, WALLS[room.type], queues, rng))
+        style = (
+            _next("floor", room.type, FLOORS[room.type], queues, rng),
+            _next("wall", room.type, WALLS[room.type], queues, rng),
+        )
         if room.type == "hallway":
             shared[room.type] = style
         chosen.append(style)

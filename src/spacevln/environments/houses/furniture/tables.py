@@ -6,28 +6,40 @@ import numpy as np
 
 from spacevln.environments.houses.furniture.kit import Kit, Look, kind, looks, woods
 
-Rng = np.random.Generator
 
-
-@kind("dining table", (*woods("oak", "walnut", "white", "black"), *looks(("glass", "gloss-glass", "gloss-steel"), ("white marble", "marble-white", "plain-charcoal"))), top_m=0.75)
-def dining_table(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = float(rng.choice([1.5, 1.8])), 0.9
+@kind(
+    "dining table",
+    (
+        *woods("oak", "walnut", "white", "black"),
+        *looks(("glass", "gloss-glass", "gloss-steel"), ("white marble", "marble-white", "plain-charcoal")),
+    ),
+    top_m=0.75,
+)
+def _dining_table(k: Kit, look: Look) -> None:
+    w, d = float(k.rng.choice([1.5, 1.8])), 0.9
     k.legs(look.trim, w - 0.1, d - 0.1, 0.71, 0.07)
     k.box(look.trim, w - 0.16, d - 0.16, 0.07, z=0.64)
     k.box(look.main, w, d, 0.04, z=0.71)
 
 
 @kind("round table", (*woods("oak", "walnut", "white"), *looks(("round glass", "gloss-glass", "gloss-steel"))), top_m=0.74)
-def round_table(k: Kit, look: Look, rng: Rng) -> None:
+def _round_table(k: Kit, look: Look) -> None:
     r = 0.5
     k.rod(look.trim, 0.26, 0.04)
     k.mesh("turned", look.trim, 0.16, 0.16, 0.66, z=0.04)
     k.rod(look.main, r, 0.04, z=0.7)
 
 
-@kind("coffee table", (*woods("oak", "walnut", "white", "black"), *looks(("glass", "gloss-glass", "gloss-black"), ("white marble", "marble-white", "gloss-gold"))), top_m=0.42)
-def coffee_table(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = float(rng.choice([0.95, 1.15])), 0.56
+@kind(
+    "coffee table",
+    (
+        *woods("oak", "walnut", "white", "black"),
+        *looks(("glass", "gloss-glass", "gloss-black"), ("white marble", "marble-white", "gloss-gold")),
+    ),
+    top_m=0.42,
+)
+def _coffee_table(k: Kit, look: Look) -> None:
+    w, d = float(k.rng.choice([0.95, 1.15])), 0.56
     k.legs(look.trim, w - 0.04, d - 0.04, 0.38, 0.05)
     k.box(look.main, w - 0.1, d - 0.1, 0.025, z=0.14)
     k.box(look.main, w, d, 0.04, z=0.38)
@@ -35,7 +47,7 @@ def coffee_table(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("end table", (*woods("walnut", "oak", "white", "black"), *looks(("round metal", "gloss-brass", "gloss-brass"))), top_m=0.56)
-def end_table(k: Kit, look: Look, rng: Rng) -> None:
+def _end_table(k: Kit, look: Look) -> None:
     if "round" in look.words:
         k.rod(look.main, 0.2, 0.02)
         k.rod(look.main, 0.02, 0.52, z=0.02)
@@ -46,18 +58,24 @@ def end_table(k: Kit, look: Look, rng: Rng) -> None:
     k.box(look.main, 0.48, 0.48, 0.03, z=0.53)
 
 
-@kind("console table", (*woods("walnut", "oak", "white", "black"), *looks(("gold metal", "gloss-glass", "gloss-gold"))), top_m=0.8)
-def console_table(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = float(rng.choice([0.9, 1.1])), 0.3
+@kind(
+    "console table", (*woods("walnut", "oak", "white", "black"), *looks(("gold metal", "gloss-glass", "gloss-gold"))), top_m=0.8
+)
+def _console_table(k: Kit, look: Look) -> None:
+    w, d = float(k.rng.choice([0.9, 1.1])), 0.3
     k.legs(look.trim, w - 0.02, d - 0.02, 0.77, 0.04)
     k.box(look.main, w, d, 0.03, z=0.77)
     k.box(look.main, w - 0.06, d - 0.04, 0.02, z=0.2)
     k.box(look.trim, w - 0.06, d - 0.05, 0.1, z=0.67)
 
 
-@kind("desk", (*woods("oak", "walnut", "white", "black", "cherry"), *looks(("gray metal", "plain-gray", "plain-charcoal"))), top_m=0.75)
-def desk(k: Kit, look: Look, rng: Rng) -> None:
-    w, d = float(rng.choice([1.25, 1.45])), 0.66
+@kind(
+    "desk",
+    (*woods("oak", "walnut", "white", "black", "cherry"), *looks(("gray metal", "plain-gray", "plain-charcoal"))),
+    top_m=0.75,
+)
+def _desk(k: Kit, look: Look) -> None:
+    w, d = float(k.rng.choice([1.25, 1.45])), 0.66
     k.box(look.main, w, d, 0.04, z=0.71)
     k.box(look.trim, 0.42, d - 0.06, 0.69, x=w / 2 - 0.23, z=0.02)
     for j in range(3):
@@ -68,15 +86,20 @@ def desk(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("patio table", looks(("round glass", "gloss-glass", "plain-charcoal"), ("white", "plain-white", "plain-white")), top_m=0.7)
-def patio_table(k: Kit, look: Look, rng: Rng) -> None:
+def _patio_table(k: Kit, look: Look) -> None:
     k.rod(look.trim, 0.24, 0.03)
     k.rod(look.trim, 0.03, 0.64, z=0.03)
     k.rod(look.main, 0.38, 0.03, z=0.67)
     k.mesh("thinring", look.trim, 0.78, 0.04, 0.78, z=0.29, turn=(np.pi / 2, 0, 0))
 
 
-@kind("pool table", looks(("green", "plain-felt", "wood-mahogany"), ("blue", "plain-blue", "wood-walnut"), ("red", "plain-burgundy", "plain-black")))
-def pool_table(k: Kit, look: Look, rng: Rng) -> None:
+@kind(
+    "pool table",
+    looks(
+        ("green", "plain-felt", "wood-mahogany"), ("blue", "plain-blue", "wood-walnut"), ("red", "plain-burgundy", "plain-black")
+    ),
+)
+def _pool_table(k: Kit, look: Look) -> None:
     w, d = 2.1, 1.2
     for sx in (-1, 1):
         for sy in (-1, 1):
@@ -97,7 +120,7 @@ def pool_table(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("ping pong table", looks(("green", "plain-green", "plain-charcoal"), ("blue", "plain-blue", "plain-charcoal")))
-def ping_pong_table(k: Kit, look: Look, rng: Rng) -> None:
+def _ping_pong_table(k: Kit, look: Look) -> None:
     w, d = 2.3, 1.3
     for s in (-1, 1):
         k.legs(look.trim, 0.5, d - 0.3, 0.72, 0.05, x=s * w / 4)
@@ -113,7 +136,7 @@ def ping_pong_table(k: Kit, look: Look, rng: Rng) -> None:
 
 
 @kind("foosball table", looks(("brown wooden", "wood-oak", "plain-black"), ("black", "plain-black", "plain-charcoal")))
-def foosball_table(k: Kit, look: Look, rng: Rng) -> None:
+def _foosball_table(k: Kit, look: Look) -> None:
     w, d = 1.25, 0.68
     k.legs(look.trim, w, d, 0.62, 0.09)
     k.box("plain-green", w - 0.06, d - 0.06, 0.1, z=0.62)

@@ -1,7 +1,7 @@
 """The material catalogue: a key such as ``"wood-oak"`` or ``"painting-3"`` names a finish and a colour, or a picture.
 
-Flat colours share one palette texture, so that all flat parts of an item are drawn at once; patterns are grey and tinted by colour,
-so that one texture serves every colour of it.
+Flat colours share one palette texture, so that all flat parts of an item are drawn at once; patterns are grey and tinted
+by colour, so that one texture serves every colour of it.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class _Finish:
     shininess: float = 0.1
 
 
-_FLAT = {"plain": (0.06, 0.1, 0.0), "gloss": (0.45, 0.6, 0.0), "glow": (0.0, 0.0, 0.75)}
+_FLAT = {"plain": (0.06, 0.1, 0.0), "gloss": (0.45, 0.6, 0.0), "glow": (0.0, 0.0, 0.75), "lit": (0.0, 0.0, 0.42)}
 _FINISHES = {
     "fabric": _Finish(0.22),
     "leather": _Finish(0.5, specular=0.3, shininess=0.4),
@@ -129,6 +129,7 @@ _FINISHES = {
     "plaid": _Finish(0.4),
     "floral": _Finish(0.5),
     "foliage": _Finish(0.3),
+    "lawn": _Finish(3.0),
     "cardboard": _Finish(0.5),
     "slats": _Finish(0.4),
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import zlib
 from collections.abc import Callable
 
@@ -45,7 +46,7 @@ def _fabric() -> Image:
 
 def _leather() -> Image:
     rng = rng_for("leather")
-    return to_image(0.92 + 0.05 * noise(128, 8, 8, rng) + 0.05 * noise(128, 32, 32, rng))
+    return to_image(0.95 + 0.02 * noise(128, 8, 8, rng) + 0.04 * noise(128, 64, 64, rng))
 
 
 def _wood() -> Image:
@@ -58,7 +59,7 @@ def _planks() -> Image:
     rng, size, rows = rng_for("planks"), 256, 10
     value = 0.86 + 0.05 * noise(size, 128, 4, rng)
     edges = np.linspace(0, size, rows + 1).astype(int)
-    for top, bottom in zip(edges[:-1], edges[1:], strict=True):
+    for top, bottom in itertools.pairwise(edges.tolist()):
         joint = int(rng.integers(size))
         tones = rng.uniform(-0.1, 0.1, 2)
         column = (np.arange(size) - joint) % size
@@ -214,6 +215,11 @@ def _foliage() -> Image:
     return to_image(0.7 + 0.3 * noise(64, 16, 16, rng) + 0.1 * noise(64, 32, 32, rng))
 
 
+def _lawn() -> Image:
+    rng = rng_for("lawn")
+    return to_image(0.8 + 0.1 * noise(128, 6, 6, rng) + 0.14 * rng.uniform(-1, 1, (128, 128)))
+
+
 def _cardboard() -> Image:
     rng = rng_for("cardboard")
     return to_image(0.9 + 0.04 * noise(64, 4, 32, rng))
@@ -248,6 +254,7 @@ PATTERNS: dict[str, Callable[[], Image]] = {
     "plaid": _plaid,
     "floral": _floral,
     "foliage": _foliage,
+    "lawn": _lawn,
     "cardboard": _cardboard,
     "slats": _slats,
 }
@@ -269,7 +276,7 @@ _ROWS = 256
 
 
 def paint_surface(pattern: str, colour: tuple[int, int, int]) -> Image:
-    """A wall of one colour: (256, 64 or 128, 3), darker towards floor and ceiling as in a lit room, with a white skirting board."""
+    """A wall of one colour, (256, 8 or 128, 3): darker towards floor and ceiling, with a white skirting board."""
     rng = rng_for("wall" + pattern)
     columns = 8 if pattern in {"paint"} else 128
     tone = np.ones((_ROWS, columns))

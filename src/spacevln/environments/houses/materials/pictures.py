@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import cv2
@@ -68,8 +69,8 @@ def _abstract_blocks(rng: np.random.Generator) -> Image:
     image = _canvas(128, 128, (245, 242, 235))
     xs, ys = np.sort(rng.integers(10, 118, 3)), np.sort(rng.integers(10, 118, 3))
     columns, rows = [0, *map(int, xs), 128], [0, *map(int, ys), 128]
-    for x0, x1 in zip(columns[:-1], columns[1:], strict=True):
-        for y0, y1 in zip(rows[:-1], rows[1:], strict=True):
+    for x0, x1 in itertools.pairwise(columns):
+        for y0, y1 in itertools.pairwise(rows):
             cv2.rectangle(image, (x0, y0), (x1, y1), _MODERN[int(rng.integers(len(_MODERN)))], -1)
             cv2.rectangle(image, (x0, y0), (x1, y1), (20, 20, 20), 3)
     return image
@@ -166,7 +167,7 @@ def _sky(variant: int) -> Image:
     for _ in range(7):
         centre = (int(rng.integers(192)), int(rng.integers(10, 90)))
         cv2.ellipse(image, centre, (int(rng.integers(14, 34)), int(rng.integers(5, 11))), 0, 0, 360, (246, 249, 252), -1)
-    image = cv2.GaussianBlur(image, (9, 9), 0)
+    image = np.asarray(cv2.GaussianBlur(image, (9, 9), 0), np.uint8)
     _hills(image, 0.72, 0.14, (146, 172, 170), rng)
     _hills(image, 0.8, 0.14, (110, 154, 96), rng)
     image[166:] = _gradient(26, 192, (128, 170, 92), (112, 158, 80))

@@ -14,12 +14,12 @@ from spacevln.environments.houses.materials import Material, texture
 from spacevln.environments.houses.plan import House
 from spacevln.environments.houses.scene.openings import opening_pieces
 from spacevln.environments.houses.scene.pieces import Piece, item_pieces
-from spacevln.environments.houses.scene.structure import slab_pieces, stair_pieces, wall_pieces
+from spacevln.environments.houses.scene.structure import lawn_pieces, slab_pieces, stair_pieces, wall_pieces
 
 _AMBIENT = 0.44
 _HEADLIGHT = 0.2
-_LIGHTS = (((0.45, 0.25, -1.0), 0.34), ((-0.6, -0.9, -0.25), 0.16), ((0.9, -0.5, 0.1), 0.1), ((0.1, 0.2, 1.0), 0.42))
-"""Directions and strengths: from above, two weak ones that tell walls apart, and one from below for the ceilings."""
+_LIGHTS = (((0.45, 0.25, -1.0), 0.34), ((-0.6, -0.9, -0.25), 0.16), ((0.9, -0.5, 0.1), 0.1))
+"""Directions and strengths: from above, and two weak ones that tell walls apart."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,20 +30,23 @@ class CompiledScene:
         model: geom k draws ``pieces[k]``.
         geom_instance: (ngeom,) int32, instance id of every geom, 0 = structure.
         geom_room: (ngeom,) int32, id of the room that a geom is in, -1 = between or outside rooms.
-        geom_rgb: (ngeom, 3) float32 0 to 1, its mean colour (for renderers without textures).
         pieces: the triangles and materials, for export.
     """
 
     model: mujoco.MjModel
     geom_instance: NDArray[np.int32]
     geom_room: NDArray[np.int32]
-    geom_rgb: NDArray[np.float32]
     pieces: tuple[Piece, ...]
+
+    @property
+    def geom_rgb(self) -> NDArray[np.float32]:
+        """(ngeom, 3) 0 to 1, mean colour of every geom, for renderers without textures; computed anew at each call."""
+        return np.array([mean_rgb(piece) for piece in self.pieces], np.float32).reshape(-1, 3)
 
 
 def scene_pieces(house: House) -> tuple[Piece, ...]:
     """Everything that is drawn of a house, in a fixed order."""
-    pieces = [*wall_pieces(house), *slab_pieces(house), *stair_pieces(house)]
+    pieces = [*wall_pieces(house), *slab_pieces(house), *stair_pieces(house), *lawn_pieces(house)]
     for opening in house.openings:
         pieces += opening_pieces(house, opening)
     for item in house.items:
@@ -87,7 +90,6 @@ def compile_scene(house: House) -> CompiledScene:
         model,
         np.array([piece.instance for piece in pieces], np.int32),
         np.array([-1 if piece.room is None else piece.room for piece in pieces], np.int32),
-        np.array([mean_rgb(piece) for piece in pieces], np.float32).reshape(-1, 3),
         pieces,
     )
 
@@ -98,15 +100,6 @@ def _settings(spec: mujoco.MjSpec) -> None:
     spec.visual.headlight.ambient[:] = _AMBIENT
     spec.visual.headlight.diffuse[:] = _HEADLIGHT
     spec.visual.headlight.specular[:] = 0.1
-    spec.add_texture(
-        name="sky",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=(0.52, 0.72, 0.93),
-        rgb2=(0.86, 0.93, 0.97),
-        width=64,
-        height=384,
-    )
     for direction, strength in _LIGHTS:
         spec.worldbody.add_light(
             type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
@@ -139,14 +132,12 @@ def _add_material(spec: mujoco.MjSpec, stuff: Material, textures: set[str]) -> N
 
 
 def _add_mesh(spec: mujoco.MjSpec, name: str, triangles: Triangles) -> None:
-    faces = triangles.faces.ravel()
     mesh = spec.add_mesh(name=name, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
-    mesh.uservert = triangles.points.ravel()
-    mesh.usernormal = triangles.normals.ravel()
-    mesh.usertexcoord = triangles.uv.ravel()
-    mesh.userface = faces
-    mesh.userfacenormal = faces
-    mesh.userfacetexcoord = faces
+    # lists go into the bindings twice as fast as arrays; without indices of their own, normals and uv share the faces'
+    mesh.uservert = triangles.points.ravel().tolist()
+    mesh.usernormal = triangles.normals.ravel().tolist()
+    mesh.usertexcoord = triangles.uv.ravel().tolist()
+    mesh.userface = triangles.faces.ravel().tolist()
 
 
 def mean_rgb(piece: Piece) -> NDArray[np.float64]:
@@ -154,7 +145,7 @@ def mean_rgb(piece: Piece) -> NDArray[np.float64]:
     stuff, triangles = piece.stuff, piece.triangles
     image = texture(stuff.texture)
     if stuff.palette_uv is None:
-        return image.reshape(-1, 3).mean(axis=0) / 255 * np.array(stuff.rgb)
+        return np.asarray(image.reshape(-1, 3).mean(axis=0) / 255 * np.array(stuff.rgb))
     corners = triangles.points[triangles.faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     uv = triangles.uv[triangles.faces[:, 0]]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from spacevln.environments.houses.furniture.kit import Kit
 from spacevln.environments.houses.furniture.leaf import CASING_M, LeafPlace, face_of, leaf_place
 from spacevln.environments.houses.plan import House, Opening
@@ -16,7 +18,7 @@ _PAINT = {"white": "plain-white", "brown": "wood-oak", "gray": "plain-gray", "da
 
 def opening_pieces(house: House, opening: Opening) -> list[Piece]:
     """All pieces of a doorway, an open-plan opening or a window."""
-    kit = Kit()
+    kit = Kit(np.random.default_rng(opening.id))
     if opening.kind == "window":
         _window(kit, house, opening)
     else:

@@ -7,34 +7,64 @@ from collections import defaultdict
 
 import numpy as np
 
-from spacevln.environments.houses.furniture.mesh import Array, Triangles, part_triangles, join
+from spacevln.environments.houses.furniture.mesh import Array, Triangles, join, part_triangles
 from spacevln.environments.houses.layout.structure import SlabBox, WallBox, railings, slabs, steps, walls
 from spacevln.environments.houses.materials import material
 from spacevln.environments.houses.plan import House, Part, Rect, Stairs
-from spacevln.environments.houses.scene.pieces import Piece, box_faces, flat_uv, quads
+from spacevln.environments.houses.scene.pieces import Piece, box_faces, boxes, flat_uv, quads
 
 _OUTSIDE = "wall-siding-cream"
-_CEILING = "ceiling"
+_CEILING = "lit-white"
+_BALUSTER = "plain-white"
 
 
 def wall_pieces(house: House) -> list[Piece]:
     """One piece per room with the faces of its wall halves, and one per storey for the outer skin."""
     found = []
-    for floor, boxes in zip(house.floors, walls(house), strict=True):
+    for floor, solid in zip(house.floors, walls(house), strict=True):
         by_room: dict[int | None, list[WallBox]] = defaultdict(list)
-        for box in boxes:
+        for box in solid:
             by_room[box.room].append(box)
+        found += _balustrades(by_room)
         for room, members in by_room.items():
             key = _OUTSIDE if room is None else house.styles[room][1]
-            made = [box_faces(box.rect, box.z0_m, box.z1_m, _sides(box)) for box in members]
+            made = [box_faces(box.rect, box.z0_m, box.z1_m, _sides(box)) for box in members if box.part != "parapet"]
+            if not made:
+                continue
             points, normals = np.concatenate([p for p, _ in made]), np.concatenate([n for _, n in made])
             found.append(Piece(_wall_uv(points, normals, key, floor.z_m, floor.ceiling_m), material(key), 0, room))
     return found
 
 
+def _balustrades(by_room: dict[int | None, list[WallBox]]) -> list[Piece]:
+    """The low walls of balconies, drawn as rails on balusters (they block like a wall)."""
+    found = []
+    for room, members in by_room.items():
+        bars = [bar for box in members if box.part == "parapet" and room is not None for bar in _balustrade(box)]
+        if bars:
+            stuff, triangles = boxes(bars, _BALUSTER)
+            found.append(Piece(triangles, stuff, 0, room))
+    return found
+
+
+def _balustrade(box: WallBox) -> list[tuple[Rect, float, float]]:
+    r, z0, z1 = box.rect, box.z0_m, box.z1_m
+    along_x = r.width >= r.depth
+    length = max(r.width, r.depth)
+    if length < 0.2:
+        return [(r, z0, z1)]
+    bars = [(r, z1 - 0.06, z1), (r, z0 + 0.06, z0 + 0.12)]
+    count = max(1, round(length / 0.14))
+    for k in range(count):
+        t = (k + 0.5) * length / count
+        x, y = (r.x0 + t, r.centre[1]) if along_x else (r.centre[0], r.y0 + t)
+        bars.append((Rect(x - 0.016, y - 0.016, x + 0.016, y + 0.016), z0, z1 - 0.06))
+    return bars
+
+
 def _sides(box: WallBox) -> tuple[str, ...]:
     around = ("-x", "+x", "-y", "+y")
-    if box.part in ("sill", "parapet"):
+    if box.part == "sill":
         return (*around, "+z")
     return (*around, "-z") if box.part == "header" else around
 
@@ -55,7 +85,7 @@ def slab_pieces(house: House) -> list[Piece]:
     well = {stairs.lower_floor for stairs in house.stairs} | {stairs.lower_floor + 1 for stairs in house.stairs}
     for (room, part), members in by_room.items():
         side = "+z" if part == "floor" else "-z"
-        stuff = material(house.styles[room][0] if part == "floor" else "plain-white")
+        stuff = material(house.styles[room][0] if part == "floor" else _CEILING)
         made = [box_faces(slab.rect, slab.z0_m, slab.z1_m, (side,)) for slab in members]
         points, normals = np.concatenate([p for p, _ in made]), np.concatenate([n for _, n in made])
         found.append(Piece(quads(points, normals, flat_uv(points, normals, stuff)), stuff, 0, room))
@@ -77,6 +107,17 @@ def _slab_edges(house: House, members: list[SlabBox], room: int) -> list[Piece]:
     points, normals = np.concatenate([p for p, _ in made]), np.concatenate([n for _, n in made])
     stuff = material("plain-ivory")
     return [Piece(quads(points, normals, flat_uv(points, normals, stuff)), stuff, 0, room)]
+
+
+def lawn_pieces(house: House) -> list[Piece]:
+    """A lawn around houses that have a balcony on the ground floor, from which it is seen."""
+    rects = [rect for room in house.rooms for rect in room.rects]
+    if not any(room.type == "balcony" and room.floor == 0 for room in house.rooms):
+        return []
+    x0, y0, x1, y1 = min(r.x0 for r in rects), min(r.y0 for r in rects), max(r.x1 for r in rects), max(r.y1 for r in rects)
+    stuff = material("lawn-leaf")
+    points, normals = box_faces(Rect(x0 - 25, y0 - 25, x1 + 25, y1 + 25), -0.6, -0.55, ("+z",))
+    return [Piece(quads(points, normals, flat_uv(points, normals, stuff)), stuff, 0, None)]
 
 
 def stair_pieces(house: House) -> list[Piece]:
@@ -103,7 +144,7 @@ def _railing_pieces(house: House) -> list[Piece]:
         length = float(np.linalg.norm(b - a))
         yaw = math.atan2(b[1] - a[1], b[0] - a[0])
         pitch = -math.atan2(b[2] - a[2], float(np.hypot(*(b - a)[:2])))
-        middle = (a + b) / 2 + (0, 0, railing.height_m)
+        middle = (a + b) / 2 + np.array([0, 0, railing.height_m])
         key = _nearest(house, railing.rect)
         # an intrinsic xyz turn cannot yaw first, so the rail is turned about its own y after a yaw of the points
         rail = _yawed(Part("box", (length / 2, 0.03, 0.025), (0.0, 0.0, 0.0), "wood-walnut", (0.0, pitch, 0.0)), yaw, middle)
@@ -113,12 +154,12 @@ def _railing_pieces(house: House) -> list[Piece]:
             foot = a + (b - a) * (k + 0.02) / (count - 1 + 0.04)
             thick = 0.035 if k in (0, count - 1) else 0.014
             post = Part("box", (thick, thick, railing.height_m / 2), (0.0, 0.0, 0.0), "plain-white")
-            by_stairs[key].append(("plain-white", _yawed(post, yaw, foot + (0, 0, railing.height_m / 2))))
-    found = []
-    for key, made in by_stairs.items():
-        for name in ("wood-walnut", "plain-white"):
-            found.append(Piece(join([t for n, t in made if n == name]), material(name), key, None))
-    return found
+            by_stairs[key].append(("plain-white", _yawed(post, yaw, foot + np.array([0, 0, railing.height_m / 2]))))
+    return [
+        Piece(join([triangles for used, triangles in made if used == name]), material(name), key, None)
+        for key, made in by_stairs.items()
+        for name in ("wood-walnut", "plain-white")
+    ]
 
 
 def _yawed(part: Part, yaw: float, at: Array) -> Triangles:
