@@ -156,9 +156,6 @@ class Clause:
         return any(isinstance(atom, Stop) for atom in self.atoms)
 
 
-ORIENTATION_CODES = frozenset({"T1", "T4", "T6", "T7", "M1", "O1", "V1", "Z7"})
-
-
 def anchors(clauses: tuple[Clause, ...]) -> int:
     """Space-landmark anchors: clauses that name something and move, a stop that names only the same noun merged."""
     count = 0
@@ -171,3 +168,31 @@ def anchors(clauses: tuple[Clause, ...]) -> int:
         count += 1
         last = clause.nouns
     return count
+
+
+def mentions(clauses: tuple[Clause, ...]) -> tuple[int, int]:
+    """(landmarks and openings named, how many of them with an attribute)."""
+    named = attributed = 0
+    for clause in clauses:
+        for atom in clause.atoms:
+            for thing in _things(atom):
+                named += 1
+                attributed += bool(thing.attributes)
+            if isinstance(atom, Cross) and atom.kind in ("doorway", "opening"):
+                named += 1
+                attributed += bool(atom.attributes)
+    return named, attributed
+
+
+def _things(atom: Atom) -> tuple[Thing, ...]:
+    match atom:
+        case Turn(at=Thing() as thing):
+            return (thing,)
+        case Pass(thing=thing) | Toward(thing=thing) | See(thing=thing):
+            return (thing,)
+        case Between(one=one, two=two):
+            return one, two
+        case Stop(thing=Thing() as thing, other=other):
+            return (thing,) if other is None else (thing, other)
+        case _:
+            return ()

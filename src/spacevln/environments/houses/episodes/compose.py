@@ -10,9 +10,18 @@ import numpy as np
 
 from spacevln.core.geometry import wrap_angle
 from spacevln.environments.houses.episodes import making as make
-from spacevln.environments.houses.episodes.clauses import Along, Clause, Cross, See, Turn
+from spacevln.environments.houses.episodes.clauses import Clause, Cross
 from spacevln.environments.houses.episodes.endings import ending
-from spacevln.environments.houses.episodes.nouns import is_landmark, thing_for
+from spacevln.environments.houses.episodes.nouns import (
+    FLAT,
+    category_of,
+    is_landmark,
+    is_plural,
+    room_type_of,
+    salience,
+    thing_for,
+    thing_words,
+)
 from spacevln.environments.houses.episodes.reading import SIDE_LOW, travel_yaw
 from spacevln.environments.houses.episodes.routes import Route
 from spacevln.environments.houses.episodes.topology import Leg, Node, Passed, Topology, is_hallway
@@ -67,7 +76,13 @@ class Stretch:
         out = []
         for passed in self.leg.passed:
             item = self.topology.item[passed.item]
-            if passed.seen and passed.inner and passed.distance_m < CLEAR_PASS_M and is_landmark(item, z_m):
+            if (
+                passed.seen
+                and passed.inner
+                and passed.distance_m < CLEAR_PASS_M
+                and item.room == self.room.id
+                and is_landmark(item, z_m)
+            ):
                 out.append((passed, item))
         return out
 
@@ -75,7 +90,13 @@ class Stretch:
         """A noun phrase for an item: mostly the bare noun."""
         rare = min(0.8, 0.1 * self.detail * self.detail)
         count = 0 if self.rng.random() > rare else (1 if self.rng.random() < 0.8 else 2)
-        return thing_for(item, self.rng, count)
+        same = sum(o.category == item.category and o.room == item.room for o in self.topology.house.items)
+        return thing_for(item, self.rng, count, crowded=same > 2)
+
+    def salient(self, items: list[Item]) -> Item:
+        """One of some items, the more striking the likelier."""
+        weights = np.array([salience(item) for item in items])
+        return items[int(self.rng.choice(len(items), p=weights / weights.sum()))]
 
 
 def describe(topology: Topology, route: Route, rng: np.random.Generator, detail: float) -> tuple[Clause, ...] | None:
@@ -121,9 +142,9 @@ def approach(stretch: Stretch, turn_said: bool = False) -> list[Clause]:
     if first is not None:
         timed.append((-1.0, first))
     if leg.length_m > 1.5:
-        timed += middle(stretch, moved=first is not None)
+        timed += middle(stretch, first is not None, first is not None and first.form == "turn_down")
     for s, angle in leg.turns:
-        if 0.0 < s < leg.length_m and abs(angle) > CLEAR_TURN_RAD and stretch.chance(0.6):
+        if 0.0 < s < leg.length_m and abs(angle) > CLEAR_TURN_RAD and stretch.chance(0.45):
             timed.append((s, turn_clause(stretch, angle, s)))
     if (
         not turn_said
@@ -147,7 +168,7 @@ def entry_turn(stretch: Stretch) -> Clause | None:
     if stretch.leg.length_m < 0.8:
         return None
     if stretch.index == 0:
-        if stretch.chance(0.13):
+        if stretch.chance(0.06):
             oriented = orientation(stretch)
             if oriented is not None:
                 return oriented
@@ -155,7 +176,7 @@ def entry_turn(stretch: Stretch) -> Clause | None:
             return make.around(stretch.rng) if stretch.chance(0.32) else None
         if size > CLEAR_TURN_RAD and stretch.chance(0.28):
             return turn_clause(stretch, angle, 0.0)
-    elif CLEAR_TURN_RAD < size < math.radians(150) and stretch.chance(0.66):
+    elif CLEAR_TURN_RAD < size < math.radians(150) and stretch.chance(0.5):
         return turn_clause(stretch, angle, 0.0)
     elif math.radians(28) < size < math.radians(48) and stretch.chance(0.15):
         return make.slight(angle, stretch.rng)
@@ -175,15 +196,15 @@ def turn_clause(stretch: Stretch, angle: float, s: float) -> Clause:
     ]
     options: list[tuple[float, Callable[[], Clause]]] = [
         (0.6, lambda: make.turn(angle)),
-        (0.27, lambda: make.take_turn(angle)),
+        (0.2, lambda: make.take_turn(angle)),
     ]
     if abs(angle) > math.radians(110):
         options.append((0.4, lambda: make.sharp(angle, rng)))
     if near:
-        item = near[int(rng.integers(len(near)))]
-        options.append((0.5, lambda: make.turn_at(angle, stretch.thing(item), rng)))
+        item = stretch.salient(near)
+        options.append((0.22, lambda: make.turn_at(angle, stretch.thing(item), rng)))
     if is_hallway(stretch.room) and s == 0.0 and stretch.leg.length_m > 1.5:
-        options.append((0.35, lambda: make.turn_down(angle, stretch.room, rng)))
+        options.append((0.15, lambda: make.turn_down(angle, stretch.room, rng)))
     return stretch.pick(options)
 
 
@@ -211,21 +232,25 @@ def orientation(stretch: Stretch) -> Clause | None:
     return make.orient(stretch.thing(item), side)
 
 
-def middle(stretch: Stretch, moved: bool) -> list[tuple[float, Clause]]:
+def middle(stretch: Stretch, moved: bool, hall_said: bool) -> list[tuple[float, Clause]]:
     """Spaces and landmarks on the way through a room, with their arc positions."""
     leg, rng = stretch.leg, stretch.rng
+    z_m = stretch.topology.house.floors[stretch.room.floor].z_m
     out: list[tuple[float, Clause]] = []
-    if is_hallway(stretch.room) and leg.length_m > 1.8 and stretch.chance(0.42):
+    if not hall_said and is_hallway(stretch.room) and leg.length_m > 1.8 and stretch.chance(0.32):
         ends = stretch.topology.hallway_ends(stretch.room.id)
         near_end = any(math.dist(leg.points[-1], end) < 1.3 for end, _ in ends)
         out.append((0.4, make.hallway(stretch.room, rng, end=near_end and stretch.chance(0.5))))
     elif not is_hallway(stretch.room) and stretch.index > 0 and leg.length_m > 2.2 and stretch.chance(0.3):
         out.append((0.4, make.through_space(stretch.room, rng)))
     seen = stretch.landmarks()
-    if seen and stretch.chance(0.5):
-        take = [seen[int(k)] for k in rng.permutation(len(seen))[: 1 + stretch.chance(0.25)]]
-        pair = [(a, b) for a in seen for b in seen if a[0].side > 0 > b[0].side and abs(a[0].s_m - b[0].s_m) < 0.8]
-        if pair and stretch.chance(0.35):
+    if seen and stretch.chance(0.42):
+        weights = np.array([salience(item) for _, item in seen])
+        count = min(len(seen), 1 + stretch.chance(0.12))
+        take = [seen[int(k)] for k in rng.choice(len(seen), count, replace=False, p=weights / weights.sum())]
+        solid = [pair for pair in seen if pair[1].solid and pair[1].z - z_m < 0.1]
+        pair = [(a, b) for a in solid for b in solid if a[0].side > 0 > b[0].side and abs(a[0].s_m - b[0].s_m) < 0.8]
+        if pair and stretch.chance(0.14):
             (a, one), (b, two) = pair[int(rng.integers(len(pair)))]
             out.append((min(a.s_m, b.s_m), make.between(stretch.thing(one), stretch.thing(two))))
         else:
@@ -238,17 +263,19 @@ def middle(stretch: Stretch, moved: bool) -> list[tuple[float, Clause]]:
 def pass_clause(stretch: Stretch, passed: Passed, item: Item) -> Clause:
     """A landmark on the way: past, on a side, around, along, toward, straight past, or "there is"."""
     rng, thing = stretch.rng, stretch.thing(item)
+    if category_of(item) in FLAT:
+        return make.over(thing)
     options: list[tuple[float, Callable[[], Clause]]] = [
         (1.0, lambda: make.past(thing)),
-        (0.3, lambda: make.toward(thing, rng)) if passed.distance_m < 1.5 else (1e-9, lambda: make.past(thing)),
+        (0.14, lambda: make.toward(thing, rng)) if passed.distance_m < 1.5 else (1e-9, lambda: make.past(thing)),
     ]
     if abs(stretch.leg.first_turn_rad) < SIDE_LOW or passed.s_m > 2.0:
         options.append((0.22, lambda: make.straight_past(thing)))
     if passed.side:
         options += [
-            (0.16, lambda: make.past_side(thing, passed.side)),
-            (0.25, lambda: make.side_of(thing, -passed.side)),
-            (0.06, lambda: make.there_is(thing, passed.side)),
+            (0.1, lambda: make.past_side(thing, passed.side)),
+            (0.25 * item.solid, lambda: make.side_of(thing, -passed.side)),
+            (0.0 if is_plural(thing_words(thing)) else 0.04, lambda: make.there_is(thing, passed.side)),
         ]
         if passed.distance_m < 0.9 and max(item.size[:2]) > 0.8 and item.solid:
             options += [(0.14, lambda: make.around_thing(thing)), (0.14, lambda: make.along_thing(thing))]
@@ -266,7 +293,7 @@ def cross(stretch: Stretch) -> Clause:
     here = stretch.room
     leaving = stretch.index == 0 or not is_hallway(here)
     options: list[tuple[float, Callable[[], Clause]]] = [
-        (0.75 if not is_hallway(there) else 0.3, lambda: make.enter(there, rng)),
+        (0.6 if not is_hallway(there) else 0.2, lambda: make.enter(there, rng)),
         (0.3, lambda: make.through_door(portal, rng, stretch.chance(0.25))),
         (0.16, lambda: make.go_to_space(there, rng)),
     ]
@@ -282,7 +309,7 @@ def cross(stretch: Stretch) -> Clause:
         options.append((0.15, lambda: make.straight_into(there, rng)))
     turned = leg.exit_turn_rad if leg.length_m > 1.1 else leg.first_turn_rad
     if CLEAR_TURN_RAD < abs(turned) < math.radians(140):
-        options.append((0.25, lambda: make.turn_into(turned, there, rng)))
+        options.append((0.12, lambda: make.turn_into(turned, there, rng)))
     options += sided(stretch, turned)
     return stretch.pick(options)
 
@@ -319,8 +346,8 @@ def sided(stretch: Stretch, turned: float) -> list[tuple[float, Callable[[], Cla
 
 
 def joined(clauses: list[Clause], rng: np.random.Generator) -> tuple[Clause, ...]:
-    """Some clauses become events: "once you ..., ..." and "... until you ..."."""
-    out = list(clauses)
+    """Rooms get one name each, and some clauses become events: "once you ..., ..." and "... until you ..."."""
+    out = same_names(clauses)
     for k in range(len(out) - 1):
         a, b = out[k], out[k + 1]
         if a.form in make.ONCE_FORMS and not b.wrap and rng.random() < 0.07 and (k == 0 or not out[k - 1].wrap):
@@ -330,4 +357,19 @@ def joined(clauses: list[Clause], rng: np.random.Generator) -> tuple[Clause, ...
     return tuple(out)
 
 
-__all__ = ["Along", "See", "Turn", "describe"]
+def same_names(clauses: list[Clause]) -> list[Clause]:
+    """The clauses with one word for each type of room."""
+    words: dict[str, str] = {}
+    out = []
+    for clause in clauses:
+        slots = dict(clause.slots)
+        nouns = list(clause.nouns)
+        for name in ("space", "space2"):
+            if name not in slots:
+                continue
+            old = slots[name].removeprefix("the ")
+            new = words.setdefault(room_type_of(old), old)
+            slots[name] = f"the {new}"
+            nouns = [new if noun == old else noun for noun in nouns]
+        out.append(replace(clause, slots=tuple(slots.items()), nouns=tuple(nouns)))
+    return out

@@ -27,7 +27,9 @@ class EpisodeTags:
         height_m: height of the goal over the start.
         doors: doorways and openings on the shortest path.
         words, sentences, anchors: of the instruction (0 for object goals).
-        clauses: clause types in the order of the text, codes of :mod:`.clauses`.
+        clause_count: clauses of the instruction.
+        clauses: clause templates in the order of the text, codes of :mod:`.clauses` (a clause may count as two).
+        mentions: landmarks and openings named, and how many of them with an attribute.
         places: how many places its meaning allows.
         ambiguity_m: geodesic distance from the goal to the furthest of them.
         goal_visible: object goals: whether an instance is in line of sight of the start.
@@ -41,7 +43,9 @@ class EpisodeTags:
     words: int = 0
     sentences: int = 0
     anchors: int = 0
+    clause_count: int = 0
     clauses: tuple[str, ...] = ()
+    mentions: tuple[int, int] = (0, 0)
     places: int = 1
     ambiguity_m: float = 0.0
     goal_visible: bool = False

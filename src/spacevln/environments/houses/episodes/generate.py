@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from spacevln.core.geometry import Pose, wrap_angle
 from spacevln.core.task import EpisodeSpec, InstructionTask
-from spacevln.environments.houses.episodes.clauses import Clause, anchors
+from spacevln.environments.houses.episodes.clauses import Clause, anchors, mentions
 from spacevln.environments.houses.episodes.compose import describe
 from spacevln.environments.houses.episodes.episode import (
     EpisodeTags,
@@ -26,18 +26,17 @@ from spacevln.environments.houses.episodes.grounds import Grounds
 from spacevln.environments.houses.episodes.realise import Text, realise
 from spacevln.environments.houses.episodes.routes import Route, make_route, sample_end, sample_start
 from spacevln.environments.houses.episodes.semantics import consistent_places
-from spacevln.environments.houses.episodes.space import Float
+from spacevln.environments.houses.episodes.space import RoughField
 from spacevln.environments.houses.episodes.topology import Topology
-from spacevln.environments.houses.episodes.weights import log_weight
-from spacevln.environments.houses.geodesics import Geodesics
+from spacevln.environments.houses.episodes.weights import instruction_features, log_weight
 from spacevln.environments.houses.plan import House
 
 MAX_AMBIGUITY_M = 3.0
 SHORTEST_M, LONGEST_M = 4.0, 21.0
 _STREAM: dict[Split, int] = {"dev": 71, "test": 72}
-_ROUTES = 5
+_ROUTES = 6
 _ROUTE_ATTEMPTS = 50
-_DETAILS = (1.0, 1.0, 1.0, 1.0, 1.3, 1.3, 1.7, 1.7, 2.4)
+_DETAILS = (0.7, 1.0, 1.0, 1.0, 1.0, 1.3, 1.3, 1.7, 2.4)
 
 
 @dataclass(frozen=True)
@@ -64,18 +63,47 @@ def route_episode(house: House | Grounds, seed: int, split: Split = "dev") -> Ho
     """
     grounds = house if isinstance(house, Grounds) else Grounds(house)
     topology = grounds.topology
-    rng = np.random.default_rng([grounds.house.seed, seed, _STREAM[split]])
-    pool = list(candidates(topology, grounds.geodesics, split, rng))
+    rng = episode_rng(grounds.house, seed, split)
+    pool = pool_of(grounds, split, rng)
     if not pool:
         raise NoEpisodeError(
             f"House seed {grounds.house.seed} gave no unambiguous route with episode seed {seed} in {_ROUTE_ATTEMPTS} attempts; "
             "take another episode seed."
         )
-    scores = np.array(
-        [log_weight(c.clauses, c.text, c.route.length_m, c.route.end.kind, height(topology, c.route), split) for c in pool]
+    scores = np.array([log_weight(features(topology, candidate), split) for candidate in pool])
+    for index in np.argsort(-(scores + rng.gumbel(size=len(pool)))):
+        exact = with_exact_path(grounds, pool[int(index)])
+        if exact is not None:
+            return episode_of(topology, exact, seed, split)
+    raise NoEpisodeError(
+        f"House seed {grounds.house.seed} gave no exact path with episode seed {seed}; take another episode seed."
     )
-    chosen = pool[int(np.argmax(scores + rng.gumbel(size=len(pool))))]
-    return episode_of(topology, chosen, seed, split)
+
+
+def with_exact_path(grounds: Grounds, candidate: Candidate) -> Candidate | None:
+    """A candidate with the exact shortest path, or None when that takes other doors than the one that was described."""
+    route, house = candidate.route, grounds.house
+    z0, z1 = (house.floors[house.rooms[room].floor].z_m for room in (route.start.room, route.end.room))
+    path = grounds.geodesics.path((*route.start.xy, z0), (*route.end.xy, z1))
+    if len(path) < 2:
+        return None
+    length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    if not SHORTEST_M <= length <= LONGEST_M:
+        return None
+    again = make_route(grounds.topology, route.start.xy, route.start.room, route.start.yaw_rad, route.end, path, length)
+    if again is None or [n.portal for n in again.nodes] != [n.portal for n in route.nodes]:
+        return None
+    return replace(candidate, route=again)
+
+
+def episode_rng(house: House, seed: int, split: Split) -> np.random.Generator:
+    """The random numbers of an episode."""
+    return np.random.default_rng([house.seed, seed, _STREAM[split]])
+
+
+def pool_of(grounds: Grounds, split: Split, rng: np.random.Generator) -> list[Candidate]:
+    """Unambiguous instructions for some routes of a house."""
+    return list(candidates(grounds.topology, split, rng))
 
 
 def first_route_episode(house: House | Grounds, split: Split = "dev") -> HouseEpisode:
@@ -93,19 +121,24 @@ def first_route_episode(house: House | Grounds, split: Split = "dev") -> HouseEp
     return route_episode(grounds, 11, split)
 
 
+def features(topology: Topology, candidate: Candidate) -> dict[str, float]:
+    """What the log-linear weight looks at."""
+    return instruction_features(candidate.clauses, candidate.text, candidate.route.length_m, height(topology, candidate.route))
+
+
 def height(topology: Topology, route: Route) -> float:
     """Height of the goal over the start [m]."""
     rooms, floors = topology.house.rooms, topology.house.floors
     return floors[rooms[route.end.room].floor].z_m - floors[rooms[route.start.room].floor].z_m
 
 
-def candidates(topology: Topology, geodesics: Geodesics, split: Split, rng: np.random.Generator) -> Iterator[Candidate]:
+def candidates(topology: Topology, split: Split, rng: np.random.Generator) -> Iterator[Candidate]:
     """Instructions for some routes of a house, all of them unambiguous."""
     routes = 0
     for _ in range(_ROUTE_ATTEMPTS):
         if routes == _ROUTES:
             return
-        found = sample_route(topology, geodesics, rng)
+        found = sample_route(topology, rng)
         if found is None:
             continue
         kept = list(instructions(topology, *found, split, rng))
@@ -113,31 +146,32 @@ def candidates(topology: Topology, geodesics: Geodesics, split: Split, rng: np.r
         yield from kept
 
 
-def sample_route(topology: Topology, geodesics: Geodesics, rng: np.random.Generator) -> tuple[Route, Float] | None:
+def sample_route(topology: Topology, rng: np.random.Generator) -> tuple[Route, RoughField] | None:
     """A route and the distances to its goal, or None when the draw is unusable."""
     house = topology.house
     end = sample_end(topology, rng)
     if end is None:
         return None
     floor = house.rooms[end.room].floor
-    near = topology.space.field(*end.xy, floor)
-    target = float(np.clip(rng.normal(9.6, 3.6), SHORTEST_M + 0.3, LONGEST_M - 1.0))
-    picked = sample_start(topology, near, floor, target, rng)
+    near = topology.space.rough_field(*end.xy, floor)
+    target = float(np.clip(rng.normal(10.8, 4.0), SHORTEST_M + 0.3, LONGEST_M - 1.0))
+    picked = sample_start(topology, near.distance_m, floor, target, rng)
     if picked is None:
         return None
     (x, y), start_floor = picked
-    z = house.floors[start_floor].z_m
-    field = geodesics.distances_from([(*end.xy, house.floors[floor].z_m)])
-    length = field.at(x, y, z)
-    if not SHORTEST_M <= length <= LONGEST_M:
+    path = near.path(x, y, start_floor, end.xy)
+    if path is None:
         return None
+    length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
     room = int(topology.space.room[(start_floor, *topology.space.ij(np.array([[x, y]]))[0])])
     yaw = wrap_angle(math.radians(30) * int(rng.integers(12)))
-    route = make_route(topology, (x, y), room, yaw, end, field.path(x, y, z), length)
+    route = make_route(topology, (x, y), room, yaw, end, path, length)
     return None if route is None else (route, near)
 
 
-def instructions(topology: Topology, route: Route, near: Float, split: Split, rng: np.random.Generator) -> Iterator[Candidate]:
+def instructions(
+    topology: Topology, route: Route, near: RoughField, split: Split, rng: np.random.Generator
+) -> Iterator[Candidate]:
     """Instructions that say a route and lead nowhere else, from terse to detailed."""
     start = start_pose(topology, route)
     for detail in _DETAILS:
@@ -149,7 +183,7 @@ def instructions(topology: Topology, route: Route, near: Float, split: Split, rn
         places = consistent_places(topology, start, clauses)
         if not places:
             continue
-        worst = max(topology.space.value(near, x, y, floor) for x, y, floor in places)
+        worst = max(near.value(x, y, floor) for x, y, floor in places)
         if worst <= MAX_AMBIGUITY_M:
             yield Candidate(route, clauses, realise(clauses, split, rng), len(places), worst)
 
@@ -175,6 +209,8 @@ def episode_of(topology: Topology, chosen: Candidate, seed: int, split: Split) -
         words=chosen.text.words,
         sentences=chosen.text.sentences,
         anchors=anchors(chosen.clauses),
+        clause_count=len(chosen.clauses),
+        mentions=mentions(chosen.clauses),
         clauses=tuple(code for clause in chosen.clauses for code in clause.codes),
         places=chosen.places,
         ambiguity_m=round(chosen.ambiguity_m, 3),

@@ -145,6 +145,11 @@ def past(thing: Thing) -> Clause:
     return Clause(("P1",), "past", (Pass(thing),), _thing(thing), (thing.noun,))
 
 
+def over(thing: Thing) -> Clause:
+    """P1 with a rug."""
+    return Clause(("P1",), "over", (Pass(thing),), _thing(thing), (thing.noun,))
+
+
 def past_side(thing: Thing, side: int) -> Clause:
     """P2."""
     return Clause(("P2",), "past_side", (Pass(thing, side),), _words(side) + _thing(thing), (thing.noun,))

@@ -6,61 +6,87 @@ import numpy as np
 
 from spacevln.environments.houses.episodes.clauses import Thing
 from spacevln.environments.houses.episodes.topology import Portal
+from spacevln.environments.houses.episodes.unnamed import NEVER_LANDMARKS
 from spacevln.environments.houses.plan import Item
 
 _TABLES = (
     "coffee table",
     "console table",
     "dining table",
+    "end table",
+    "patio table",
+    "ping pong table",
     "pool table",
-    "side table",
-    "table",
-    "table tennis table",
+    "round table",
+    "foosball table",
 )
-_CHAIRS = ("armchair", "chair", "dining chair", "office chair", "recliner", "rocking chair")
-_SHELVES = ("bookshelf", "shelf")
-_PICTURES = ("painting", "picture", "poster", "framed photo")
+_CHAIRS = ("armchair", "dining chair", "office chair", "patio chair", "rocking chair")
+_RUGS = ("rug", "runner rug", "round rug")
+_LAMPS = ("desk lamp", "floor lamp", "table lamp")
+_SINKS = ("bathroom sink", "kitchen sink")
+_PICTURES = ("painting", "poster")
+_SHELVES = ("bookshelf", "storage rack", "wall shelf")
 
+_Names = tuple[tuple[str, float, tuple[str, ...]], ...]
 # category: (surface noun, weight, categories that the noun may mean)
-_ALIASES: dict[str, tuple[tuple[str, float, tuple[str, ...]], ...]] = {
-    "sofa": (("couch", 0.75, ("sofa",)), ("sofa", 0.25, ("sofa",))),
-    "dining table": (
-        ("dining table", 0.5, ("dining table",)),
-        ("table", 0.35, _TABLES),
-        ("dining room table", 0.15, ("dining table",)),
-    ),
-    "coffee table": (("coffee table", 0.7, ("coffee table",)), ("table", 0.3, _TABLES)),
-    "side table": (("side table", 0.4, ("side table",)), ("end table", 0.4, ("side table",)), ("table", 0.2, _TABLES)),
-    "console table": (("console table", 0.5, ("console table",)), ("table", 0.5, _TABLES)),
-    "table tennis table": (("ping pong table", 1.0, ("table tennis table",)),),
-    "armchair": (("armchair", 0.5, ("armchair",)), ("chair", 0.5, _CHAIRS)),
-    "office chair": (("office chair", 0.4, ("office chair",)), ("desk chair", 0.3, ("office chair",)), ("chair", 0.3, _CHAIRS)),
-    "dining chair": (("chair", 0.7, _CHAIRS), ("dining chair", 0.3, ("dining chair",))),
-    "refrigerator": (("refrigerator", 0.6, ("refrigerator",)), ("fridge", 0.4, ("refrigerator",))),
-    "television": (("tv", 0.6, ("television",)), ("television", 0.4, ("television",))),
-    "tv": (("tv", 0.6, ("tv",)), ("television", 0.4, ("tv",))),
+_ALIASES: dict[str, _Names] = {
+    "armchair": (("armchair", 0.45, ("armchair",)), ("chair", 0.55, _CHAIRS)),
+    "bath mat": (("bath mat", 0.5, ("bath mat",)), ("mat", 0.5, ("bath mat", "doormat", "yoga mat"))),
+    "bathroom sink": (("sink", 0.9, _SINKS), ("bathroom sink", 0.1, ("bathroom sink",))),
     "bathtub": (("bathtub", 0.5, ("bathtub",)), ("tub", 0.5, ("bathtub",))),
-    "bookshelf": (("bookshelf", 0.7, ("bookshelf",)), ("bookcase", 0.3, ("bookshelf",))),
-    "bookcase": (("bookshelf", 0.6, ("bookcase", "bookshelf")), ("bookcase", 0.4, ("bookcase",))),
-    "shelf": (("shelf", 0.7, _SHELVES), ("shelves", 0.3, _SHELVES)),
-    "painting": (("painting", 0.65, ("painting",)), ("picture", 0.35, _PICTURES)),
-    "rug": (("rug", 0.65, ("rug",)), ("carpet", 0.35, ("rug",))),
+    "bookshelf": (("bookshelf", 0.6, ("bookshelf",)), ("bookcase", 0.3, ("bookshelf",)), ("shelf", 0.1, _SHELVES)),
+    "coffee table": (("coffee table", 0.6, ("coffee table",)), ("table", 0.4, _TABLES)),
+    "column": (("pillar", 0.6, ("column",)), ("column", 0.4, ("column",))),
+    "console table": (("console table", 0.35, ("console table",)), ("table", 0.65, _TABLES)),
+    "dining chair": (("chair", 0.8, _CHAIRS), ("dining chair", 0.2, ("dining chair",))),
+    "dining table": (
+        ("dining table", 0.4, ("dining table",)),
+        ("dining room table", 0.2, ("dining table",)),
+        ("table", 0.4, _TABLES),
+    ),
+    "dresser": (("dresser", 0.85, ("dresser",)), ("chest of drawers", 0.15, ("dresser",))),
+    "end table": (("end table", 0.7, ("end table",)), ("table", 0.3, _TABLES)),
+    "floor lamp": (("floor lamp", 0.4, ("floor lamp",)), ("lamp", 0.6, _LAMPS)),
+    "kitchen counter": (("counter", 0.6, ("kitchen counter",)), ("kitchen counter", 0.4, ("kitchen counter",))),
     "kitchen island": (("kitchen island", 0.6, ("kitchen island",)), ("island", 0.4, ("kitchen island",))),
-    "counter": (("counter", 0.7, ("counter", "kitchen counter")), ("countertop", 0.3, ("counter", "kitchen counter"))),
-    "kitchen counter": (("counter", 0.6, ("counter", "kitchen counter")), ("kitchen counter", 0.4, ("kitchen counter",))),
-    "plant": (("plant", 0.6, ("plant", "potted plant")), ("potted plant", 0.4, ("plant", "potted plant"))),
-    "potted plant": (("potted plant", 0.5, ("plant", "potted plant")), ("plant", 0.5, ("plant", "potted plant"))),
-    "stove": (("stove", 0.8, ("stove",)), ("range", 0.2, ("stove",))),
-    "floor lamp": (("floor lamp", 0.5, ("floor lamp",)), ("lamp", 0.5, ("floor lamp", "lamp", "table lamp"))),
-    "wardrobe": (("wardrobe", 0.7, ("wardrobe",)), ("armoire", 0.3, ("wardrobe",))),
-    "dresser": (("dresser", 0.8, ("dresser",)), ("chest of drawers", 0.2, ("dresser",))),
+    "kitchen sink": (("sink", 0.8, _SINKS), ("kitchen sink", 0.2, ("kitchen sink",))),
     "nightstand": (("nightstand", 0.7, ("nightstand",)), ("bedside table", 0.3, ("nightstand",))),
+    "office chair": (("office chair", 0.3, ("office chair",)), ("desk chair", 0.3, ("office chair",)), ("chair", 0.4, _CHAIRS)),
+    "painting": (("painting", 0.6, ("painting",)), ("picture", 0.4, _PICTURES)),
+    "patio chair": (("patio chair", 0.4, ("patio chair",)), ("chair", 0.6, _CHAIRS)),
+    "patio table": (("patio table", 0.5, ("patio table",)), ("table", 0.5, _TABLES)),
+    "potted plant": (("potted plant", 0.45, ("potted plant",)), ("plant", 0.55, ("potted plant",))),
+    "refrigerator": (("refrigerator", 0.6, ("refrigerator",)), ("fridge", 0.4, ("refrigerator",))),
+    "round rug": (("round rug", 0.6, ("round rug",)), ("rug", 0.4, _RUGS)),
+    "round table": (("round table", 0.6, ("round table",)), ("table", 0.4, _TABLES)),
+    "rug": (("rug", 0.65, _RUGS), ("carpet", 0.35, _RUGS)),
+    "runner rug": (("rug", 0.6, _RUGS), ("runner", 0.2, ("runner rug",)), ("carpet", 0.2, _RUGS)),
+    "sofa": (("couch", 0.78, ("sofa",)), ("sofa", 0.22, ("sofa",))),
+    "statue": (("statue", 0.6, ("statue",)), ("sculpture", 0.4, ("statue",))),
+    "table lamp": (("lamp", 0.8, _LAMPS), ("table lamp", 0.2, ("table lamp",))),
+    "tv": (("tv", 0.6, ("tv",)), ("television", 0.4, ("tv",))),
+    "wall shelf": (("shelf", 0.7, _SHELVES), ("wall shelf", 0.3, ("wall shelf",))),
+    "wardrobe": (("wardrobe", 0.7, ("wardrobe",)), ("armoire", 0.3, ("wardrobe",))),
     "washing machine": (("washing machine", 0.7, ("washing machine",)), ("washer", 0.3, ("washing machine",))),
 }
+# how readily people mention a category that they pass, 1 where not listed
+_SALIENCE = {
+    "armchair": 1.5, "bath mat": 0.4, "bathroom sink": 1.6, "bed": 3.0, "bookshelf": 1.6, "bunk bed": 2.0, "cabinet": 0.8, "calendar": 0.2,
+    "clock": 0.4, "coffee table": 1.5, "desk": 2.0, "desk lamp": 0.2, "dining chair": 0.8, "dining table": 3.0, "fireplace": 3.0,
+    "flowers": 0.4, "kitchen counter": 1.5, "kitchen island": 2.5, "laundry basket": 0.4, "mirror": 0.8, "nightstand": 0.5,
+    "painting": 0.45, "piano": 3.0, "pool table": 3.0, "poster": 0.3, "potted plant": 0.8, "radiator": 0.4, "refrigerator": 2.0,
+    "sofa": 3.0, "statue": 1.5, "stove": 1.6, "table lamp": 0.3, "toilet": 1.3, "towel": 0.25, "trash can": 0.4, "wall cabinet": 0.3,
+    "wall shelf": 0.3,
+}  # fmt: skip
+_PLURALS = {
+    "chair": "chairs",
+    "dining chair": "dining chairs",
+    "patio chair": "patio chairs",
+    "bar stool": "bar stools",
+    "stool": "stools",
+}
+FLAT = frozenset(("bath mat", "doormat", "round rug", "rug", "runner rug", "yoga mat"))
 
-NEVER_LANDMARKS = frozenset(
-    ("ceiling lamp", "ceiling light", "ceiling fan", "curtain", "curtains", "light switch", "book", "pillow", "railing")
-)
 MIN_SIZE_M = 0.35
 MAX_BASE_M = 1.6
 
@@ -90,16 +116,22 @@ def is_landmark(item: Item, floor_z_m: float) -> bool:
     return max(item.size) >= MIN_SIZE_M and (item.support is None or max(item.size) >= 0.45)
 
 
-def thing_for(item: Item, rng: np.random.Generator, attributes: int) -> Thing:
-    """A noun phrase for an item with up to that many of its attributes."""
+def salience(item: Item) -> float:
+    """How readily people mention an item that they pass."""
+    return _SALIENCE.get(category_of(item), 1.0)
+
+
+def thing_for(item: Item, rng: np.random.Generator, attributes: int, crowded: bool = False) -> Thing:
+    """A noun phrase for an item with up to that many of its attributes; plural for one of several seats."""
     name = category_of(item)
     options = _ALIASES.get(name, ((name, 1.0, (name,)),))
     weights = np.array([o[1] for o in options])
     noun, _, categories = options[int(rng.choice(len(options), p=weights / weights.sum()))]
-    raw = tuple(dict.fromkeys([*categories, *(c.replace(" ", "_") for c in categories)]))
+    if crowded:
+        noun = _PLURALS.get(noun, noun)
     words = tuple(w for w in item.attributes if w not in noun.split() and " " not in w)
     kept = words[:1] if attributes == 1 and rng.random() < 0.7 else words[-1:] if attributes == 1 else words[:attributes]
-    return Thing(noun, raw, kept)
+    return Thing(noun, categories, kept)
 
 
 def thing_words(thing: Thing) -> str:
@@ -112,9 +144,14 @@ def definite(words: str) -> str:
     return f"the {words}"
 
 
+def is_plural(words: str) -> bool:
+    """Whether a noun phrase is plural."""
+    return words.endswith("s") and not words.endswith(("ss", "drawers"))
+
+
 def indefinite(words: str) -> str:
-    """With the indefinite article (none before plurals)."""
-    if words.endswith("shelves") or (words.endswith("drawers") is False and words.endswith("s") and not words.endswith("ss")):
+    """With the indefinite article."""
+    if is_plural(words):
         return f"some {words}"
     return f"an {words}" if words[0] in "aeiou" else f"a {words}"
 
@@ -125,6 +162,11 @@ def room_words(room_type: str, rng: np.random.Generator) -> str:
     options = _ROOM_WORDS.get(name, ((name, 1.0),))
     weights = np.array([o[1] for o in options])
     return options[int(rng.choice(len(options), p=weights / weights.sum()))][0]
+
+
+def room_type_of(words: str) -> str:
+    """The type that a word for a room means."""
+    return next((name for name, options in _ROOM_WORDS.items() if any(word == words for word, _ in options)), words)
 
 
 def portal_words(portal: Portal, rng: np.random.Generator) -> tuple[str, str]:

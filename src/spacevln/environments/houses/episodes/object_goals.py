@@ -46,6 +46,7 @@ class ObjectGoal:
     Args:
         grounds: the house's spaces.
         category: in words, as in :func:`goal_categories`.
+
     Raises:
         UnknownNameError: the house has no such thing, or none that can be reached.
     """
@@ -98,9 +99,7 @@ def reachable_categories(house: House) -> tuple[str, ...]:
     return tuple(sorted({name for item in house.items if (name := item.category.replace("_", " ")) in known}))
 
 
-def object_goal_episode(
-    house: House | Grounds, seed: int, split: Split = "dev", category: str | None = None
-) -> HouseEpisode:
+def object_goal_episode(house: House | Grounds, seed: int, split: Split = "dev", category: str | None = None) -> HouseEpisode:
     """One object-goal episode of a house.
 
     Four of five are drawn so that no instance is visible at the start and the nearest lies two or more doors away.
@@ -110,6 +109,7 @@ def object_goal_episode(
         seed: any number; the same seed gives the same episode.
         split: names the episode and selects its stream of random numbers.
         category: what to find; drawn when not given.
+
     Raises:
         UnknownNameError: the house has no such thing.
         NoEpisodeError: no start fits; take another seed.
@@ -169,7 +169,9 @@ def _from_random_start(goal: ObjectGoal, seed: int, split: Split, rng: np.random
     )
     name = goal.category.replace(" ", "_")
     return HouseEpisode(
-        spec=EpisodeSpec(f"{house.name}-{split}-object-{seed}-{name}", house.name, Pose(x, y, z, round(yaw, 6)), ObjectGoalTask(goal.category)),
+        spec=EpisodeSpec(
+            f"{house.name}-{split}-object-{seed}-{name}", house.name, Pose(x, y, z, round(yaw, 6)), ObjectGoalTask(goal.category)
+        ),
         goals=tuple(_nearest(region, path[-1]) for region in goal.regions),
         reference_path=resample(dense, int(np.clip(round(length / 2.0) + 1, 4, 7))),
         shortest_path=dense,

@@ -10,7 +10,7 @@ import numpy as np
 
 from spacevln.core.geometry import wrap_angle
 from spacevln.environments.houses.episodes.clauses import ANY_ROOM, Along, Atom, Between, Pass, See, Straight, Thing, Toward, Turn
-from spacevln.environments.houses.episodes.space import Float, surface_distance
+from spacevln.environments.houses.episodes.space import surface_distance
 from spacevln.environments.houses.episodes.topology import PASS_M, SEE_M, STEP_M, Leg, Node, Topology
 from spacevln.environments.houses.plan import Item
 
@@ -182,20 +182,18 @@ class Reader:
         return best
 
     def _see(self, trail: Trail, see: See, s: float) -> float | None:
+        """An orientation is meant relative to the first steps."""
         leg, k = trail.at(s)
         floor = self.topology.house.rooms[leg.room].floor
-        heading = trail.start_yaw if s == 0.0 else float(leg.yaws[k])
-        points = leg.points[k : k + 12]
+        points = leg.points[k : k + 5]
         for item in self.matching(see.thing):
             if item.floor != floor or surface_distance(item, points).min() > SEE_M or not self.topology.seen(item, points):
                 continue
-            if see.side in (0, 2, 3) or wrap_angle(self._bearing(item, points[0]) - heading) * see.side > -0.3:
+            bearing = wrap_angle(math.atan2(item.y - points[0, 1], item.x - points[0, 0]) - float(leg.yaws[k]))
+            fits = {0: True, 2: abs(bearing) > AROUND_RAD, 3: abs(bearing) < STRAIGHT_RAD}
+            if fits.get(see.side, bearing * see.side > SIDE_LOW):
                 return s
         return None
-
-    @staticmethod
-    def _bearing(item: Item, point: Float) -> float:
-        return math.atan2(item.y - point[1], item.x - point[0])
 
 
 def space_fits(word: str, room_type: str) -> bool:

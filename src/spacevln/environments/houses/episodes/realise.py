@@ -12,6 +12,12 @@ from spacevln.environments.houses.episodes.episode import Split
 from spacevln.environments.houses.episodes.phrases import PHRASES
 
 ONCE_WORDS = ("once", "when", "after", "as soon as")
+_IDIOMS = (
+    (r"\b(enter|into|inside) the balcony", lambda m: ("go out onto" if m.group(1) == "enter" else "onto") + " the balcony"),
+    (r"\bgo out onto the balcony", "go out onto the balcony"),
+    (r"\bin the balcony", "on the balcony"),
+    (r"\bgo to the (bath|rest)room", r"walk to the \1room"),
+)
 _ONCE_P = (0.5, 0.3, 0.14, 0.06)
 
 
@@ -27,14 +33,17 @@ class Text:
 def phrase(clause: Clause, form: str, split: Split, rng: np.random.Generator) -> str:
     """One wording of a clause."""
     options = PHRASES[split][form]
-    return options[int(rng.integers(len(options)))].format(**dict(clause.slots))
+    words = options[int(rng.integers(len(options)))].format(**dict(clause.slots))
+    for pattern, better in _IDIOMS:
+        words = re.sub(pattern, better, words)
+    return words
 
 
 def realise(clauses: tuple[Clause, ...], split: Split, rng: np.random.Generator) -> Text:
     """The instruction: clauses worded and joined by full stops, "and", "then" and commas."""
     pieces: list[str] = []
     pending = ""
-    for clause in clauses:
+    for clause, before in zip(clauses, (None, *clauses), strict=False):
         if clause.wrap == "once":
             word = ONCE_WORDS[int(rng.choice(len(ONCE_WORDS), p=_ONCE_P))]
             pending = f"{word} {phrase(clause, f'once:{clause.form}', split, rng)}, "
@@ -42,11 +51,21 @@ def realise(clauses: tuple[Clause, ...], split: Split, rng: np.random.Generator)
         if clause.wrap == "until" and pieces:
             pieces[-1] += f" until {phrase(clause, f'until:{clause.form}', split, rng)}"
             continue
-        pieces.append(pending + phrase(clause, clause.form, split, rng))
+        pieces.append(pending + phrase(clause, _form(clause, before, split), split, rng))
         pending = ""
     breaks = _breaks(pieces, rng)
     text = _sentence_case(_joined(pieces, breaks, rng))
     return Text(text, len(text.split()), sum(breaks) + 1)
+
+
+def _form(clause: Clause, before: Clause | None, split: Split) -> str:
+    """The form of a clause, or the one that does not repeat the room just named."""
+    if before is not None and before.nouns and clause.nouns and clause.nouns[-1] in before.nouns:
+        if clause.form in ("through_space", "across_space"):
+            return "through_it"
+        if f"{clause.form}:same" in PHRASES[split]:
+            return f"{clause.form}:same"
+    return clause.form
 
 
 def _breaks(pieces: list[str], rng: np.random.Generator) -> list[bool]:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from spacevln.environments.houses.episodes.nouns import category_of, is_landmark
+from spacevln.environments.houses.episodes.nouns import FLAT, category_of, is_landmark, salience
 from spacevln.environments.houses.episodes.space import Float
 from spacevln.environments.houses.episodes.stops import ring
 from spacevln.environments.houses.episodes.topology import XY, Leg, Node, Portal, Topology, is_hallway
@@ -16,12 +16,12 @@ from spacevln.environments.houses.plan import Item
 
 EndKind = Literal["item", "entry", "doorway", "before", "landing", "stairs", "end", "room"]
 _END_WEIGHTS: dict[EndKind, float] = {
-    "item": 3.2,
+    "item": 2.4,
     "entry": 1.6,
     "doorway": 1.2,
-    "before": 1.2,
-    "landing": 1.4,
-    "stairs": 1.0,
+    "before": 2.0,
+    "landing": 2.0,
+    "stairs": 1.2,
     "end": 0.6,
     "room": 0.9,
 }
@@ -91,10 +91,11 @@ def sample_end(topology: Topology, rng: np.random.Generator) -> End | None:
 def _item_end(topology: Topology, room: int, rng: np.random.Generator) -> End | None:
     house = topology.house
     floor = house.rooms[room].floor
-    items = [i for i in house.items if i.room == room and is_landmark(i, house.floors[floor].z_m) and category_of(i) != "rug"]
+    items = [i for i in house.items if i.room == room and is_landmark(i, house.floors[floor].z_m) and category_of(i) not in FLAT]
     if not items:
         return None
-    item = items[int(rng.integers(len(items)))]
+    weights = np.array([salience(item) for item in items])
+    item = items[int(rng.choice(len(items), p=weights / weights.sum()))]
     spots = [s for s in ring(topology.space, item, floor, float(rng.uniform(0.4, 0.7))) if house.rooms[room].contains(*s)]
     return End("item", room, spots[int(rng.integers(len(spots)))], None, item) if spots else None
 

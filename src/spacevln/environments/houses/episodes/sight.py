@@ -23,7 +23,9 @@ class Sight:
     def __init__(self, house: House) -> None:
         self.house = house
         self._walls = {
-            floor.index: np.array([[b.rect.x0, b.rect.y0, b.z0_m, b.rect.x1, b.rect.y1, b.z1_m] for b in walls(house)[floor.index]])
+            floor.index: np.array(
+                [[b.rect.x0, b.rect.y0, b.z0_m, b.rect.x1, b.rect.y1, b.z1_m] for b in walls(house)[floor.index]]
+            )
             for floor in house.floors
         }
 

@@ -6,10 +6,12 @@ These serve choosing and describing; distances that are published come from :mod
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
@@ -18,6 +20,8 @@ from spacevln.environments.houses.walkable import RESOLUTION_M, Walkable
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+XY = tuple[float, float]
 
 CELL_M = 0.1
 CLEARANCE_M = 0.15  # a little more than the agent's 0.1 m, so that canonical paths keep off furniture
@@ -52,6 +56,45 @@ def nearest_surface_point(item: Item, xy: Float) -> Float:
     local = np.clip(item_local(item, xy), -half, half)
     c, s = math.cos(item.yaw_rad), math.sin(item.yaw_rad)
     return np.stack([item.x + c * local[:, 0] - s * local[:, 1], item.y + s * local[:, 0] + c * local[:, 1]], axis=1)
+
+
+class Footprints:
+    """The footprints of some items as arrays, for distances to many of them at once.
+
+    Args:
+        items: of one storey.
+    """
+
+    def __init__(self, items: tuple[Item, ...]) -> None:
+        self.items = items
+        self.centre = np.array([[i.x, i.y] for i in items]).reshape(-1, 1, 2)
+        self.half = np.array([[i.size[0] / 2, i.size[1] / 2] for i in items]).reshape(-1, 1, 2)
+        self._c = np.array([math.cos(i.yaw_rad) for i in items]).reshape(-1, 1)
+        self._s = np.array([math.sin(i.yaw_rad) for i in items]).reshape(-1, 1)
+
+    def near(self, points: Float, within_m: float) -> NDArray[np.int64]:
+        """Indices of the footprints that may lie within a distance of some of the points (N, 2)."""
+        low, high = points.min(axis=0) - within_m, points.max(axis=0) + within_m
+        reach = np.hypot(self.half[..., 0], self.half[..., 1])
+        inside = np.all((self.centre[:, 0] + reach >= low) & (self.centre[:, 0] - reach <= high), axis=1)
+        return np.flatnonzero(inside)
+
+    def nearest(self, index: NDArray[np.int64], points: Float) -> tuple[Float, Float]:
+        """Distances of points to footprints, 0 inside, and the nearest points of these.
+
+        Args:
+            index: (I,) footprints.
+            points: (N, 2) for all of them, or (I, N, 2).
+
+        Returns:
+            (I, N) and (I, N, 2).
+        """
+        c, s, centre, half = self._c[index], self._s[index], self.centre[index], self.half[index]
+        dx, dy = points[..., 0] - centre[..., 0], points[..., 1] - centre[..., 1]
+        u, v = c * dx + s * dy, c * dy - s * dx
+        x, y = (np.minimum(np.maximum(w, -half[..., i]), half[..., i]) for i, w in ((0, u), (1, v)))
+        spot = np.stack([c * x - s * y + centre[..., 0], s * x + c * y + centre[..., 1]], axis=-1)
+        return np.hypot(u - x, v - y), spot
 
 
 class Space:
@@ -159,17 +202,25 @@ class Space:
         graph = csr_matrix((np.concatenate(costs), (np.concatenate(rows), np.concatenate(cols))), shape=(len(cells), len(cells)))
         return cells, index, graph
 
-    def snap(self, xy: tuple[float, float], room: int, floor: int, within_m: float = 0.6) -> int:
+    def snap(self, xy: XY, room: int, floor: int, within_m: float = 0.6) -> int:
         """Index of the graph's cell nearest to a point, -1 when none lies within ``within_m``."""
         cells, index, _ = self.graph(room, floor)
-        i, j = self.ij(np.array([xy]))[0]
-        if index[i, j] >= 0:
-            return int(index[i, j])
         if not len(cells):
             return -1
-        d = np.hypot(*(self.xy(cells) - np.array(xy)).T)
-        best = int(np.argmin(d))
-        return best if d[best] <= within_m else -1
+        i = min(max(int((xy[0] - self.x0) / CELL_M), 0), self.shape[0] - 1)
+        j = min(max(int((xy[1] - self.y0) / CELL_M), 0), self.shape[1] - 1)
+        node = int(index[i, j])
+        if node >= 0:
+            return node
+        ni, nj = self._nearest(room, floor)
+        node = int(index[ni[i, j], nj[i, j]])
+        x, y = self.xs[cells[node][0]], self.ys[cells[node][1]]
+        return node if math.hypot(x - xy[0], y - xy[1]) <= within_m else -1
+
+    @lru_cache(maxsize=64)  # noqa: B019
+    def _nearest(self, room: int, floor: int) -> NDArray[np.int32]:
+        _, index, _ = self.graph(room, floor)
+        return np.asarray(distance_transform_edt(index < 0, return_distances=False, return_indices=True), dtype=np.int32)
 
     def path(self, room: int, a: tuple[float, float], b: tuple[float, float]) -> Float | None:
         """A short polyline (N, 2) inside a room between two points, or None when furniture or walls part them."""
@@ -187,7 +238,7 @@ class Space:
             steps.append(parent)
         points = self.xy(cells[np.array(steps)])
         points[0], points[-1] = a, b
-        return self._pulled(points, self.walkable[floor])
+        return self.pulled(points, self.walkable[floor])
 
     @lru_cache(maxsize=256)  # noqa: B019
     def _parents(self, room: int, floor: int, goal: int) -> NDArray[np.int32]:
@@ -195,7 +246,7 @@ class Space:
         _, parents = dijkstra(graph, directed=False, indices=np.int64(goal), return_predecessors=True)
         return np.asarray(parents, dtype=np.int32)
 
-    def _pulled(self, points: Float, walkable: Bool) -> Float:
+    def pulled(self, points: Float, walkable: Bool) -> Float:
         """The polyline without the corners that a straight walk can skip."""
         keep = [0]
         last = len(points) - 1
@@ -217,18 +268,20 @@ class Space:
         return bool(free[ij[:, 0], ij[:, 1]].all())
 
     def sees(self, floor: int, eyes: Float, targets: Float, short_m: float = 0.2) -> Bool:
-        """Line of sight (P, Q) at eye height from points (P, 2) to points (Q, 2), up to ``short_m`` before each target."""
-        d = targets[None] - eyes[:, None]
-        dist = np.maximum(np.hypot(d[..., 0], d[..., 1]), 1e-6)
-        scale = np.maximum(dist - short_m, 0.0) / dist
-        t = np.linspace(0.0, 1.0, 80)
-        points = eyes[:, None, None] + (d * scale[..., None])[:, :, None] * t[None, None, :, None]
-        ij = self.ij(points.reshape(-1, 2))
-        return np.asarray(~self.opaque[floor][ij[:, 0], ij[:, 1]].reshape(*points.shape[:3]).any(axis=2))
+        """Line of sight (N,) at eye height from points (N, 2) to points (N, 2), up to ``short_m`` before each target."""
+        d = targets - eyes
+        dist = np.maximum(np.hypot(d[:, 0], d[:, 1]), 1e-6)
+        d = d * (np.maximum(dist - short_m, 0.0) / dist)[:, None]
+        t = np.linspace(0.0, 1.0, max(2, int(dist.max() / (0.8 * CELL_M)) + 1))[None, :, None]
+        points = (eyes[:, None] + d[:, None] * t - (self.x0, self.y0)) / CELL_M
+        ij = np.minimum(np.maximum(points.astype(np.int64), 0), np.array(self.shape) - 1)
+        return np.asarray(~self.opaque[floor][ij[..., 0], ij[..., 1]].any(axis=1))
 
-    def field(self, x: float, y: float, floor: int, limit_m: float = 40.0) -> Float:
-        """Approximate walking distances (floors, I, J) to a point, over stairs, inf where cut off."""
+    def rough_field(self, x: float, y: float, floor: int, limit_m: float = 40.0) -> RoughField:
+        """Approximate walking distances to a point, over stairs."""
         out = np.full((len(self.house.floors), *self.shape), np.inf)
+        ways: dict[int, tuple[XY, int]] = {}
+        parents: dict[int, NDArray[np.int32]] = {}
         queue = [(floor, (x, y), 0.0)]
         while queue:
             level, point, offset = queue.pop(0)
@@ -236,19 +289,17 @@ class Space:
             source = self.snap(point, -1, level)
             if source < 0:
                 continue
-            dist = dijkstra(graph, directed=False, indices=np.int64(source), limit=limit_m) + offset
-            out[level][cells[:, 0], cells[:, 1]] = np.minimum(out[level][cells[:, 0], cells[:, 1]], dist)
+            dist, parents[level] = dijkstra(
+                graph, directed=False, indices=np.int64(source), limit=limit_m, return_predecessors=True
+            )
+            dist += offset
+            out[level][cells[:, 0], cells[:, 1]] = dist
             for near, far, far_floor, length in self.stair_ends(level):
-                there = self.value(out, *near, level)
-                if math.isfinite(there) and not np.isfinite(out[far_floor]).any():
-                    queue.append((far_floor, far, there + length))
-        return out
-
-    def value(self, field: Float, x: float, y: float, floor: int) -> float:
-        """A field's value at the walkable cell nearest to a point."""
-        cells, _, _ = self.graph(-1, floor)
-        node = self.snap((x, y), -1, floor)
-        return float(field[floor][tuple(cells[node])]) if node >= 0 else math.inf
+                node = self.snap(near, -1, level)
+                if node >= 0 and math.isfinite(dist[node]) and far_floor not in ways and far_floor != floor:
+                    ways[far_floor] = (near, level)
+                    queue.append((far_floor, far, float(dist[node]) + length))
+        return RoughField(self, out, ways, parents)
 
     def stair_ends(self, floor: int) -> list[tuple[tuple[float, float], tuple[float, float], int, float]]:
         """Stairs from a floor: (end here, end there, floor there, length)."""
@@ -262,6 +313,58 @@ class Space:
             elif stairs.lower_floor + 1 == floor:
                 out.append((top, foot, floor - 1, length))
         return out
+
+
+@dataclass(frozen=True, slots=True)
+class RoughField:
+    """Approximate distances to a goal.
+
+    Args:
+        space: whose grid it is on.
+        distance_m: (floors, I, J), inf where cut off.
+        ways: per storey other than the goal's: the far end of the stairs that lead on from it, and the storey there.
+        parents: per storey: of every cell of the walkable graph, the next one on the way; negative at its end.
+    """
+
+    space: Space
+    distance_m: Float
+    ways: dict[int, tuple[XY, int]]
+    parents: dict[int, NDArray[np.int32]]
+
+    def value(self, x: float, y: float, floor: int) -> float:
+        """The distance from the walkable cell nearest to a point."""
+        cells, _, _ = self.space.graph(-1, floor)
+        node = self.space.snap((x, y), -1, floor)
+        return float(self.distance_m[floor][tuple(cells[node])]) if node >= 0 else math.inf
+
+    def path(self, x: float, y: float, floor: int, end: XY) -> Float | None:
+        """A short polyline (N, 3) from a point to the goal, or None."""
+        pieces = []
+        for _ in range(len(self.space.house.floors)):
+            finish, level = self.ways.get(floor, (end, floor))
+            line = self._descent(x, y, floor)
+            if line is None:
+                return None
+            if level == floor:
+                line[-1] = end
+            pieces.append(np.column_stack([line, np.full(len(line), self.space.house.floors[floor].z_m)]))
+            if level == floor:
+                return np.concatenate(pieces)
+            (x, y), floor = finish, level
+        return None
+
+    def _descent(self, x: float, y: float, floor: int) -> Float | None:
+        cells, _, _ = self.space.graph(-1, floor)
+        node = self.space.snap((x, y), -1, floor)
+        if node < 0 or floor not in self.parents:
+            return None
+        steps = [node]
+        parents = self.parents[floor]
+        while (node := int(parents[node])) >= 0:
+            steps.append(node)
+        points = self.space.xy(cells[np.array(steps)])
+        points[0] = (x, y)
+        return self.space.pulled(points, self.space.walkable[floor]) if len(points) > 1 else points
 
 
 def stairs_ends(rect: Rect, up_yaw_rad: float, beyond_m: float = 0.35) -> tuple[tuple[float, float], tuple[float, float]]:

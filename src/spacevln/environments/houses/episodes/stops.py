@@ -31,7 +31,7 @@ def ring(space: Space, item: Item, floor: int, distance_m: float = NEAR_M) -> li
             lx, ly = u * half[0] + u * scale, v * half[1] + v * scale
         xy = (item.x + c * lx - s * ly, item.y + s * lx + c * ly)
         near = (item.x + c * u * half[0] - s * v * half[1], item.y + s * u * half[0] + c * v * half[1])
-        if space.snap(xy, -1, floor, 0.3) >= 0 and space.sees(floor, np.array([xy]), np.array([near]), 0.2)[0, 0]:
+        if space.snap(xy, -1, floor, 0.3) >= 0 and space.sees(floor, np.array([xy]), np.array([near]), 0.2)[0]:
             out.append(xy)
     return out
 

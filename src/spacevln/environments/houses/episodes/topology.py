@@ -12,11 +12,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacevln.core.geometry import wrap_angle
-from spacevln.environments.houses.episodes.space import Float, Space, nearest_surface_point, stairs_ends, surface_distance
+from spacevln.environments.houses.episodes.space import (
+    XY,
+    Bool,
+    Float,
+    Footprints,
+    Ints,
+    Space,
+    nearest_surface_point,
+    stairs_ends,
+)
+from spacevln.environments.houses.episodes.unnamed import NEVER_LANDMARKS
 from spacevln.environments.houses.plan import House, Item, Room
 from spacevln.environments.houses.walkable import Walkable
 
-XY = tuple[float, float]
 STEP_M = 0.2
 TURN_RAD = math.radians(40)
 PASS_M = 2.4
@@ -171,7 +180,7 @@ class Topology:
         self.of_room: dict[int, tuple[Portal, ...]] = {
             room.id: tuple(p for p in self.portals.values() if room.id in p.rooms) for room in house.rooms
         }
-        self.items_of_floor = {f.index: tuple(i for i in house.items if i.floor == f.index) for f in house.floors}
+        self.prints = {f.index: Footprints(_mentionable(house, f.index)) for f in house.floors}
         self.item = {item.id: item for item in house.items}
         self._legs: dict[tuple[object, ...], Leg | None] = {}
 
@@ -204,32 +213,40 @@ class Topology:
         return Leg(node.room, points, yaws, turns, passed, length, portal)
 
     def _passed(self, points: Float, yaws: Float, floor: int) -> tuple[Passed, ...]:
-        near = []
-        for item in self.items_of_floor[floor]:
-            reach = PASS_M + math.hypot(item.size[0], item.size[1]) / 2
-            if np.hypot(*(points - np.array([item.x, item.y])).T).min() < reach:
-                near.append(item)
+        prints = self.prints[floor]
+        index = prints.near(points, PASS_M)
+        if not len(index):
+            return ()
+        distance, _ = prints.nearest(index, points)
+        closest = distance.argmin(axis=1)
+        keep = distance[np.arange(len(index)), closest] <= PASS_M
+        index, distance, closest = index[keep], distance[keep], closest[keep]
+        if not len(index):
+            return ()
+        seen = self._seen_each(index, closest, points, floor)
         out = []
-        for item in near:
-            d = surface_distance(item, points)
-            k = int(np.argmin(d))
-            if d[k] > PASS_M:
-                continue
-            seen = self.seen(item, points[max(0, k - 20) : k + 3])
+        for row, k in enumerate(closest):
+            item = prints.items[index[row]]
             dx, dy = item.x - points[k, 0], item.y - points[k, 1]
             ahead = math.cos(yaws[k]) * dx + math.sin(yaws[k]) * dy
             across = -math.sin(yaws[k]) * dx + math.cos(yaws[k]) * dy
             side = 0 if abs(across) < 0.3 or abs(ahead) > 1.5 * abs(across) + 0.3 else int(math.copysign(1, across))
-            inner = 0 < k < len(points) - 1 and k * STEP_M > 0.3
-            out.append(Passed(item.id, k * STEP_M, float(d[k]), side, seen, inner))
+            inner = bool(0 < k < len(points) - 1 and k * STEP_M > 0.3)
+            out.append(Passed(item.id, float(k * STEP_M), float(distance[row, k]), side, bool(seen[row]), inner))
         return tuple(sorted(out, key=lambda p: (p.s_m, p.item)))
+
+    def _seen_each(self, index: Ints, closest: Ints, points: Float, floor: int) -> Bool:
+        """Which footprints are in line of sight from one of seven points up to two steps after the nearest one."""
+        back = np.linspace(-16, 2, 7).round().astype(np.int64)
+        eyes = points[np.clip(closest[:, None] + back[None], 0, len(points) - 1)]
+        _, spots = self.prints[floor].nearest(index, eyes)
+        clear = self.space.sees(floor, eyes.reshape(-1, 2), spots.reshape(-1, 2), 0.25)
+        return np.asarray(clear.reshape(eyes.shape[:2]).any(axis=1))
 
     def seen(self, item: Item, points: Float) -> bool:
         """Whether an item is in line of sight from one of some points on its floor."""
         eyes = points[:: max(1, len(points) // 6)]
-        targets = nearest_surface_point(item, eyes)
-        short = 0.25
-        return any(bool(self.space.sees(item.floor, eyes[i : i + 1], targets[i : i + 1], short)[0, 0]) for i in range(len(eyes)))
+        return bool(self.space.sees(item.floor, eyes, nearest_surface_point(item, eyes), 0.25).any())
 
     def hallway_ends(self, room: int) -> tuple[tuple[XY, float], ...]:
         """The ends of a long room: (point 0.5 m before the end wall, direction of walking towards it)."""
@@ -264,6 +281,11 @@ class Topology:
         if any(r[0] < 0.3 for r in same):
             return None  # a door beside the node: whether it counts as the first is a matter of taste
         return mine[2], [r[1] for r in same].index(portal.id) + 1
+
+
+def _mentionable(house: House, floor: int) -> tuple[Item, ...]:
+    """The items of a storey that some instruction may name."""
+    return tuple(i for i in house.items if i.floor == floor and i.category not in NEVER_LANDMARKS)
 
 
 def resampled(path: Float, step_m: float = STEP_M) -> tuple[Float, float]:
