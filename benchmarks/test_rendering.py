@@ -1,6 +1,6 @@
 """Time of one observation: 20 furnished houses, 640x480 (rays: 320x240), HFOV 79 degrees, camera 0.88 m high.
 
-``pytest benchmarks/test_rendering.py``; the targets with software OpenGL on two cores are 35 ms (median) and 60 ms (95th percentile).
+``pytest benchmarks/test_rendering.py``; the targets with software OpenGL on two quiet cores: median 35 ms, 95th percentile 60 ms.
 """
 
 from __future__ import annotations
