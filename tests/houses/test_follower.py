@@ -33,6 +33,8 @@ def walk(seed: int, pairs: int) -> list[tuple[float, float]]:
     results = []
     for start, goal in zip(points[::2], points[1::2], strict=True):
         field = geodesics.distances_from([goal])
+        if math.isinf(field.at(*start)):
+            continue  # one of them lies in a gap between furniture
         follower, pose, way = ShortestPathFollower(body, field), Pose(*start, 0.3), 0.0
         for _ in range(500):
             match follower.action(pose):
@@ -51,5 +53,6 @@ def walk(seed: int, pairs: int) -> list[tuple[float, float]]:
 @pytest.mark.parametrize("seeds", [(8, 5, 25), pytest.param(range(300, 340), marks=pytest.mark.slow)])
 def test_the_follower_arrives_on_a_short_way(seeds: range) -> None:
     results = [result for seed in seeds for result in walk(seed, 3)]
+    assert len(results) > 2 * len(seeds)
     assert max(left for left, _ in results) <= 0.25
     assert np.mean([ratio for _, ratio in results]) < 1.15

@@ -88,7 +88,7 @@ def corners(space: FloorSpace) -> Float:
     for x, y, r in space.discs:
         found += [(x + (r * 1.03 + RADIUS) * math.cos(a), y + (r * 1.03 + RADIUS) * math.sin(a)) for a in np.arange(0, 6.28, 0.3)]
     free = [p for p in found if clearance(p[0], p[1], space.boxes, space.discs, 1.0) >= RADIUS]
-    return np.array(sorted(set(free)))
+    return np.array(sorted({(round(x, 3), round(y, 3)) for x, y in free}))
 
 
 def compare(geodesics: Geodesics, count: int) -> Float:
@@ -116,7 +116,7 @@ def test_distances_agree_with_a_visibility_graph(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [seed for seed in range(12) if not generate_layout(seed).stairs][:4])
+@pytest.mark.parametrize("seed", [seed for seed in range(12) if not generate_layout(seed).stairs][:2])
 def test_distances_agree_with_a_visibility_graph_among_furniture(seed: int) -> None:
     ratios = compare(Geodesics(Walkable(build_house(seed))), 8)
     assert np.isfinite(ratios).all()
