@@ -82,12 +82,13 @@ class WaypointGraph:
             if length_m > REACH_M:
                 continue
             path = field.path_to([other.pose.x_m, other.pose.y_m])
-            if len(path) == 0 or _passes_third(path, xy, metric_map):
+            if len(path) == 0 or _passes_third(path, float(length_m), xy, metric_map):
                 continue
             self._put(new, other, EdgeKind.MAP, float(length_m))
             self._paths[_key(new.index, other.index)] = path
         for (a, b), path in list(self._paths.items()):
-            if new.index not in (a, b) and _passes_third(path, new.pose.xy_m[None], metric_map):
+            length_m = self._edges[a, b, EdgeKind.MAP].length_m
+            if new.index not in (a, b) and _passes_third(path, length_m, new.pose.xy_m[None], metric_map):
                 del self._paths[a, b], self._edges[a, b, EdgeKind.MAP]  # the way is now two edges
                 self._relink(a, b)
 
@@ -137,10 +138,10 @@ def _key(a: int, b: int) -> tuple[int, int]:
     return (a, b) if a < b else (b, a)
 
 
-def _passes_third(path: Float, xy: Float, metric_map: MemoryMap) -> bool:
+def _passes_third(path: Float, length_m: float, xy: Float, metric_map: MemoryMap) -> bool:
     """Whether one of the (N, 2) points that is near neither end lies near the path, with no wall between."""
-    near_end = np.minimum(np.hypot(*(xy - path[0]).T), np.hypot(*(xy - path[-1]).T)) <= NEAR_PATH_M
-    third = xy[~near_end]
+    from_a, from_b = np.hypot(*(xy - path[0]).T), np.hypot(*(xy - path[-1]).T)
+    third = xy[(np.minimum(from_a, from_b) > NEAR_PATH_M) & (from_a + from_b <= length_m + 2 * NEAR_PATH_M)]
     if len(third) == 0:
         return False
     nearest = nearest_on_path(path, third)

@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.core import Pose, SpatialMap, SpatialWaypoint
+from spacevln.core import Pose, SpatialWaypoint
 from spacevln.memory.metric import MemoryMap
 from spacevln.memory.thresholds import Threshold, Thresholds, crossing_m
 
@@ -31,6 +32,7 @@ _UNKNOWN_GAP_M = 0.3  # a ray may cross this much unseen floor
 
 _ANGLES = np.arange(_RAYS) * (math.tau / _RAYS)
 _DIRECTIONS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
+_CROP_M = 2 * SUPPORT_RADIUS_M + 0.2
 _RANGES = np.arange(1, round(SUPPORT_RADIUS_M / _STEP_M) + 1) * _STEP_M
 _OFFSET = 1 << 30
 
@@ -80,19 +82,28 @@ class Support:
     thresholds: int
 
 
-def support(pose: Pose, metric_map: SpatialMap, thresholds: Sequence[Threshold]) -> Support:
+def support(pose: Pose, metric_map: MemoryMap, thresholds: Sequence[Threshold]) -> Support:
     """What can be seen of the free floor from a pose, as far as walls, thresholds and 3 m."""
-    points = pose.xy_m + _RANGES[None, :, None] * _DIRECTIONS[:, None, :]
-    flat = points.reshape(-1, 2)
-    free = metric_map.is_free(flat).reshape(_RAYS, -1)
-    wall = metric_map.is_obstacle(flat).reshape(_RAYS, -1) & (_RANGES > 2 * CELL_M)
+    crop = metric_map.crop(pose.xy_m, _CROP_M, 0.0)
+    rows, columns = _ray_pixels(len(crop.free))
+    free, wall = crop.free[rows, columns], crop.obstacle[rows, columns] & (_RANGES > 2 * CELL_M)
     seed = _RANGES <= SEED_RADIUS_M
     near = crossing_m(pose.xy_m, _DIRECTIONS, thresholds)[:, None] > _RANGES
     sight = near & (np.cumsum(wall, axis=1) == 0)
     known = np.cumsum(~free & ~seed, axis=1) * _STEP_M <= _UNKNOWN_GAP_M
     hidden = (sight & ~known).any(axis=1)
-    cells = cells_of(points[sight & known & (free | seed)])
+    ray, step = np.nonzero(sight & known & (free | seed))
+    cells = cells_of(pose.xy_m + _RANGES[step, None] * _DIRECTIONS[ray])
     return Support(cells, bool(hidden.mean() <= _COMPLETE_SHARE), len(thresholds))
+
+
+@lru_cache(maxsize=4)
+def _ray_pixels(side: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Row and column of each step of each ray in a crop of ``side`` pixels whose upper edge lies along +x."""
+    middle, per_metre = (side - 1) / 2, side / _CROP_M
+    along = _DIRECTIONS[:, None, :] * _RANGES[None, :, None] * per_metre
+    rows, columns = np.rint(middle - along[..., 0]), np.rint(middle - along[..., 1])
+    return rows.astype(np.int64), columns.astype(np.int64)
 
 
 class Regions:
@@ -159,7 +170,7 @@ class Regions:
                 best = candidate if best is None else min(best, candidate)
         return None if best is None else self.of(best[1])
 
-    def _agree(self, a: SpatialWaypoint, b: SpatialWaypoint, metric_map: SpatialMap, thresholds: Thresholds) -> bool:
+    def _agree(self, a: SpatialWaypoint, b: SpatialWaypoint, metric_map: MemoryMap, thresholds: Thresholds) -> bool:
         """Whether two waypoints of one type stand in one space."""
         if thresholds.between(a.floor, a.pose.xy_m, b.pose.xy_m):
             return False

@@ -5,42 +5,41 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from spacevln.core import Pose, SpatialWaypoint
 from spacevln.core.geometry import Float
+from spacevln.memory import map_marks as marks
+from spacevln.memory.map_marks import (
+    AGENT,
+    FRAME,
+    FREE,
+    INK,
+    LEGEND_PX,
+    OBSTACLE,
+    REGIONS,
+    SIZE_PX,
+    THRESHOLD,
+    UNKNOWN,
+    WALKED,
+    Box,
+)
 from spacevln.memory.metric import MemoryMap
-from spacevln.memory.regions import CELL_M, Region, cell_ij
+from spacevln.memory.regions import CELL_M, cell_ij
 
 if TYPE_CHECKING:
     from spacevln.memory.hierarchical import HierarchicalSpatialMemory
 
-SIZE_PX = 440  # [authors' code]
-LEGEND_PX = 40
 WINDOW_M = (8.0, 24.0)  # side of the drawn square: what is known, within these bounds
 MARGIN_M = 0.6
 
-Colour = tuple[int, int, int]
-_Box = tuple[float, float, float, float]
-_UNKNOWN: Colour = (238, 239, 243)
-_FREE: Colour = (214, 232, 208)
-_OBSTACLE: Colour = (38, 42, 54)
-_WALKED: Colour = (142, 52, 168)
-_AGENT: Colour = (218, 38, 38)
-_THRESHOLD: Colour = (201, 123, 30)
-_INK: Colour = (28, 32, 44)
-_FRAME: Colour = (120, 126, 140)
-_REGIONS: tuple[Colour, ...] = (
-    (166, 206, 240), (250, 205, 160), (186, 172, 232), (244, 184, 200), (160, 222, 218),
-    (248, 232, 150), (226, 190, 160), (190, 200, 222), (236, 176, 232), (240, 160, 150),
-)  # fmt: skip
+_AGENT_BOX: Box = (SIZE_PX / 2 - 14, SIZE_PX / 2 - 18, SIZE_PX / 2 + 14, SIZE_PX / 2 + 14)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,17 +82,16 @@ def render_map(
         _zoomed(crop.obstacle, frame.window_m),
         labels,
         _palette(len(memory.regions.all)),
-        np.array(_UNKNOWN, np.float32),
-        np.array(_OBSTACLE, np.float32),
+        np.array(UNKNOWN, np.float32),
+        np.array(OBSTACLE, np.float32),
     )
     _draw_ways(canvas, memory, metric_map.travelled, frame, floor)
     picture = Image.new("RGB", (SIZE_PX, SIZE_PX + LEGEND_PX))
     picture.paste(Image.fromarray(canvas))
-    picture.paste(_legend(), (0, SIZE_PX))
-    draw = ImageDraw.Draw(picture)
-    taken = _draw_waypoints(draw, [waypoint for waypoint in shown if waypoint.floor == floor], frame)
-    _draw_region_names(draw, memory, labels, taken)
-    _draw_border(draw, frame)
+    picture.paste(marks.legend(), (0, SIZE_PX))
+    taken = _draw_waypoints(picture, [waypoint for waypoint in shown if waypoint.floor == floor], frame)
+    _draw_region_names(picture, memory, labels, taken)
+    _draw_border(picture, frame)
     return np.array(picture)
 
 
@@ -134,6 +132,9 @@ def _paint(
     for v in range(height):
         for u in range(width):
             a, o = free[v, u], obstacle[v, u]
+            if a + o == 0:
+                canvas[v, u, 0], canvas[v, u, 1], canvas[v, u, 2] = unknown[0], unknown[1], unknown[2]
+                continue
             for channel in range(3):
                 value = unknown[channel] * (1 - a) + palette[labels[v, u], channel] * a
                 canvas[v, u, channel] = np.uint8(value * (1 - o) + solid[channel] * o + np.float32(0.5))
@@ -142,7 +143,7 @@ def _paint(
 
 def _palette(count: int) -> NDArray[np.float32]:
     """Colour of every label; label 0 is no region."""
-    return np.array([_FREE, *(_REGIONS[index % len(_REGIONS)] for index in range(count))], np.float32)
+    return np.array([FREE, *(REGIONS[index % len(REGIONS)] for index in range(count))], np.float32)
 
 
 def _region_labels(memory: HierarchicalSpatialMemory, frame: _Frame, floor: int) -> NDArray[np.uint8]:
@@ -206,54 +207,55 @@ def _draw_ways(canvas: NDArray[np.uint8], memory: HierarchicalSpatialMemory, tra
     """Thresholds, the walked way and the agent, with smooth lines."""
     for threshold in memory.thresholds.on(floor):
         ends = np.round(frame.pixels(np.array([threshold.a_m, threshold.b_m])) * 8).astype(np.int32)
-        cv2.line(canvas, ends[0].tolist(), ends[1].tolist(), _THRESHOLD, 4, cv2.LINE_AA, 3)
+        cv2.line(canvas, ends[0].tolist(), ends[1].tolist(), THRESHOLD, 4, cv2.LINE_AA, 3)
     points = np.round(frame.pixels(travelled[:, :2]) * 8).astype(np.int32)
     on_floor = travelled[:, 2] == floor
     breaks = np.flatnonzero(np.diff(on_floor)) + 1
     for part, keep in zip(np.split(points, breaks), np.split(on_floor, breaks), strict=True):
         if len(part) > 1 and keep[0]:
-            cv2.polylines(canvas, [part], False, _WALKED, 3, cv2.LINE_AA, 3)
+            cv2.polylines(canvas, [part], False, WALKED, 3, cv2.LINE_AA, 3)
     _draw_agent(canvas)
 
 
 def _draw_agent(canvas: NDArray[np.uint8]) -> None:
     shape = np.array([[0, -15], [10, 11], [0, 5], [-10, 11]]) + SIZE_PX / 2
-    for grown, colour in ((1.35, (255, 255, 255)), (1.0, _AGENT)):
+    for grown, colour in ((1.35, (255, 255, 255)), (1.0, AGENT)):
         corners = np.round(((shape - SIZE_PX / 2) * grown + SIZE_PX / 2) * 8).astype(np.int32)
         cv2.fillPoly(canvas, [corners], colour, cv2.LINE_AA, 3)
 
 
 def _draw_region_names(
-    draw: ImageDraw.ImageDraw, memory: HierarchicalSpatialMemory, labels: NDArray[np.uint8], taken: list[_Box]
+    picture: Image.Image, memory: HierarchicalSpatialMemory, labels: NDArray[np.uint8], taken: list[Box]
 ) -> None:
+    """A name on every region, as near to its middle as the agent, waypoints and other names leave room."""
     coarse = labels[::4, ::4]
     for index, region in enumerate(memory.regions.all):
         rows, columns = np.nonzero(coarse == index + 1)
         if len(rows) < 12:
             continue
-        _draw_tag(draw, region, float(np.median(columns)) * 4, float(np.median(rows)) * 4, taken, _REGIONS[index % len(_REGIONS)])
+        name = marks.tag(region.label, REGIONS[index % len(REGIONS)])
+        u, v = _place(np.stack([columns, rows], axis=1).astype(np.float64) * 4, name.width, name.height, np.array(taken))
+        taken.append((u, v, u + name.width, v + name.height))
+        picture.paste(name, (u, v), name)
 
 
-def _draw_tag(draw: ImageDraw.ImageDraw, region: Region, u: float, v: float, taken: list[_Box], colour: Colour) -> None:
-    """A name on its region, moved up or down until it covers nothing else, if possible."""
-    font = _font(13)
-    width = draw.textlength(region.label, font) + 10
-    u = min(max(u, width / 2 + 2), SIZE_PX - width / 2 - 2)
-    for shift in (0, -12, 12, -24, 24, -36, 36, -48, 48, 0):
-        box = (u - width / 2, v + shift - 9, u + width / 2, v + shift + 9)
-        inside = box[1] >= 2 and box[3] <= SIZE_PX - 2
-        if inside and all(box[2] < t[0] or t[2] < box[0] or box[3] < t[1] or t[3] < box[1] for t in taken):
-            break
-    taken.append(box)
-    dark = tuple(round(channel * 0.42) for channel in colour)
-    draw.rounded_rectangle(box, 5, fill=dark, outline=(255, 255, 255))
-    draw.text(((box[0] + box[2]) / 2, (box[1] + box[3]) / 2), region.label, (255, 255, 255), font, anchor="mm")
+def _place(inside: Float, width: int, height: int, taken: Float) -> tuple[int, int]:
+    """Upper left corner for a plate whose middle is one of the points ``inside`` (N, 2), the best of them."""
+    spots = inside[:: max(1, len(inside) // 150)]
+    low = np.clip(np.rint(spots - (width / 2, height / 2)), 2, (SIZE_PX - width - 2, SIZE_PX - height - 2))
+    high = low + np.array([width, height])
+    overlap = np.minimum(high[:, None], taken[None, :, 2:]) - np.maximum(low[:, None], taken[None, :, :2])
+    covered = np.where((overlap > 0).all(axis=2), overlap.prod(axis=2), 0.0)
+    covered[:, 0] *= 10  # the agent above all
+    cost = covered.sum(axis=1) + np.hypot(*(spots - np.median(inside, axis=0)).T)
+    u, v = low[int(np.argmin(cost))]
+    return int(u), int(v)
 
 
-def _draw_waypoints(draw: ImageDraw.ImageDraw, shown: Sequence[SpatialWaypoint], frame: _Frame) -> list[_Box]:
+def _draw_waypoints(picture: Image.Image, shown: Sequence[SpatialWaypoint], frame: _Frame) -> list[Box]:
     """Numbered rings; returns the boxes they and the agent cover."""
-    font, middle = _font(10), SIZE_PX / 2
-    taken = [(middle - 14, middle - 18, middle + 14, middle + 14)]
+    middle = SIZE_PX / 2
+    taken: list[Box] = [_AGENT_BOX]
     if not shown:
         return taken
     at = frame.pixels(np.array([[waypoint.pose.x_m, waypoint.pose.y_m] for waypoint in shown]))
@@ -261,59 +263,20 @@ def _draw_waypoints(draw: ImageDraw.ImageDraw, shown: Sequence[SpatialWaypoint],
         inside = 8 < u < SIZE_PX - 8 and 8 < v < SIZE_PX - 8
         if not inside or math.hypot(u - middle, v - middle) < 14:
             continue  # outside, or under the agent
-        draw.ellipse((u - 7, v - 7, u + 7, v + 7), fill=(255, 255, 255), outline=_WALKED, width=2)
-        draw.text((u, v), str(waypoint.index), _INK, font, anchor="mm")
-        taken.append((u - 7, v - 7, u + 7, v + 7))
+        ring = marks.ring(waypoint.index)
+        corner = (round(u - ring.width / 2), round(v - ring.height / 2))
+        picture.paste(ring, corner, ring)
+        taken.append((*corner, corner[0] + ring.width, corner[1] + ring.height))
     return taken
 
 
-def _draw_border(draw: ImageDraw.ImageDraw, frame: _Frame) -> None:
-    middle, font = SIZE_PX / 2, _font(11)
-    for text, at, anchor in (
-        ("front", (middle, 4), "mt"),
-        ("back", (middle, SIZE_PX - 4), "mb"),
-        ("left", (5, middle), "lm"),
-        ("right", (SIZE_PX - 5, middle), "rm"),
-    ):
-        draw.text(at, text, _INK, font, anchor=anchor, stroke_width=2, stroke_fill=(255, 255, 255))
-    length = 2 * frame.scale
+def _draw_border(picture: Image.Image, frame: _Frame) -> None:
+    """Directions, scale and frame."""
+    overlay = marks.directions()
+    picture.paste(overlay, (0, 0), overlay)
+    draw = ImageDraw.Draw(picture)
     y = SIZE_PX - 10
-    draw.line((SIZE_PX - 10 - length, y, SIZE_PX - 10, y), fill=_INK, width=2)
-    draw.text((SIZE_PX - 10 - length / 2, y - 3), "2 m", _INK, font, anchor="mb", stroke_width=2, stroke_fill=(255, 255, 255))
-    draw.rectangle((0, 0, SIZE_PX - 1, SIZE_PX + LEGEND_PX - 1), outline=_FRAME)
-
-
-@lru_cache(maxsize=1)
-def _legend() -> Image.Image:
-    """The strip under the map; always the same."""
-    strip = Image.new("RGB", (SIZE_PX, LEGEND_PX), (255, 255, 255))
-    draw = ImageDraw.Draw(strip)
-    font = _font(11)
-    entries = (
-        ("unexplored", _UNKNOWN, "box"),
-        ("obstacle", _OBSTACLE, "box"),
-        ("free floor", _FREE, "box"),
-        ("space", _REGIONS[0], "box"),
-        ("walked way", _WALKED, "line"),
-        ("doorway", _THRESHOLD, "line"),
-        ("waypoint", _WALKED, "ring"),
-        ("you, facing up", _AGENT, "arrow"),
-    )
-    for index, (text, colour, mark) in enumerate(entries):
-        x, y = 10 + index % 4 * 108, 11 + index // 4 * 18
-        if mark == "box":
-            draw.rectangle((x, y - 5, x + 14, y + 5), fill=colour, outline=_FRAME)
-        elif mark == "line":
-            draw.line((x, y, x + 14, y), fill=colour, width=4)
-        elif mark == "ring":
-            draw.ellipse((x + 2, y - 5, x + 12, y + 5), fill=(255, 255, 255), outline=colour, width=2)
-        else:
-            draw.polygon(((x + 7, y - 7), (x + 13, y + 6), (x + 7, y + 3), (x + 1, y + 6)), fill=colour)
-        draw.text((x + 20, y), text, _INK, font, anchor="lm")
-    draw.line((0, 0, SIZE_PX, 0), fill=_FRAME)
-    return strip
-
-
-@lru_cache(maxsize=8)
-def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    return ImageFont.load_default(size)
+    draw.line((SIZE_PX - 10 - 2 * frame.scale, y, SIZE_PX - 10, y), fill=INK, width=2)
+    scale = marks.outlined("2 m")
+    picture.paste(scale, (round(SIZE_PX - 10 - frame.scale - scale.width / 2), y - 3 - scale.height), scale)
+    draw.rectangle((0, 0, SIZE_PX - 1, SIZE_PX + LEGEND_PX - 1), outline=FRAME)
