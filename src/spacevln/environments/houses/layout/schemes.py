@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from spacevln.environments.houses.layout.bands import Strip, fill, fill_row, strip
-from spacevln.environments.houses.layout.draft import WALL_M, Draft, Flight, snapped, width_range
+from spacevln.environments.houses.layout.draft import MAX_ROOMS, WALL_M, Draft, Flight, snapped, width_range
 from spacevln.environments.houses.plan import Rect
 
 Scheme = Callable[[np.random.Generator], Draft | None]
@@ -124,7 +124,7 @@ def ring(rng: np.random.Generator) -> Draft | None:
         return None
     return (
         draft
-        if fill_row(rng, draft, strip(length, south, length + east, y3, "west"), 0, _single(rng, y3 - south, east))
+        if fill_row(rng, draft, strip(length, south, length + east, y3, "west"), 0, _single(rng, draft, y3 - south, east))
         else None
     )
 
@@ -150,6 +150,8 @@ def two_floors(rng: np.random.Generator) -> Draft | None:
             return None
         if not fill(rng, draft, strip(x2, y1, length, y3, "south"), floor, ("bathroom",)):
             return None
+    if len(draft.cells) > MAX_ROOMS:
+        return None
     x0 = round(landing + WALL_M / 2, 2)
     foot_first = rng.random() < 0.5
     face = y2 - WALL_M / 2
@@ -173,9 +175,10 @@ def _beside_stairs(rng: np.random.Generator, draft: Draft, where: Strip, floor: 
     return fill_row(rng, draft, where, floor, pair)
 
 
-def _single(rng: np.random.Generator, length: float, depth: float) -> list[str]:
+def _single(rng: np.random.Generator, draft: Draft, length: float, depth: float) -> list[str]:
     """One or two rooms for a short strip."""
-    one = [name for name in ("bedroom", "office", "gym", "library") if _fits(name, length, depth)]
+    taken = {cell.type for cell in draft.cells} - {"bedroom", "office"}
+    one = [name for name in ("bedroom", "office", "gym", "library") if name not in taken and _fits(name, length, depth)]
     return [one[int(rng.integers(len(one)))]] if one else ["bedroom", "bathroom"]
 
 
