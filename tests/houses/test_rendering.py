@@ -189,7 +189,7 @@ def test_a_process_ends_without_noise():
         "e.reset(EpisodeSpec('1', 'house-000000', Pose(1, 2), InstructionTask('go')))\n"
     )
     here = str(Path(__file__).parent)
-    done = subprocess.run(  # noqa: S603
+    done = subprocess.run(
         [sys.executable, "-W", "error", "-c", script],
         capture_output=True,
         text=True,
@@ -245,3 +245,29 @@ def test_both_renderers_draw_the_same_furnished_house():
         assert np.percentile(np.abs(a.depth_m - b.depth_m), 99) < 1e-3
         assert np.abs(a.rgb.astype(int) - b.rgb)[same].mean() < 6
     gl.close()
+
+
+@pytest.mark.skipif(not HAS_GL, reason="no OpenGL library here")
+def test_a_forked_child_gets_a_sentence_instead_of_a_frozen_driver(monkeypatch, drawable):
+    renderer = make_renderer(renderer_info("gl"), drawable, 64, 48)
+    monkeypatch.setattr(os, "getpid", lambda: -1)
+    with pytest.raises(EnvironmentFailure, match="spawn"):
+        make_renderer(renderer_info("gl"), drawable, 64, 48)
+    with pytest.raises(EnvironmentFailure, match="spawn"):
+        renderer.render(T_of(POSES[0]), Camera(64, 48, 79.0, 0.88))
+    monkeypatch.undo()
+    renderer.close()
+
+
+def test_casting_rays_loads_no_graphics_library():
+    script = (
+        "import sys, two_rooms; from spacevln.core import *; from spacevln.environments.houses.environment import HousesEnvironment\n"
+        "e = HousesEnvironment(load=two_rooms.place)\n"
+        "e.reset(EpisodeSpec('1', 'house-000000', Pose(1, 2), InstructionTask('go')))\n"
+        "assert 'OpenGL' not in sys.modules, 'OpenGL was loaded'\n"
+        "assert e.spec.camera.width_px == 320\n"
+    )
+    here = str(Path(__file__).parent)
+    env = {**os.environ, "PYTHONPATH": here, "SPACEVLN_RENDERER": "raycast"}
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=env, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -24,7 +24,7 @@ _FAR_M = 60.0
 
 
 class _Context:
-    """The GL context of this process with the shader, shared by its renderers; a forked child makes an own one."""
+    """The GL context of this process with the shader, shared by its renderers."""
 
     def __init__(self, backend: Backend) -> None:
         # Importing one of these binds PyOpenGL to that platform, so OpenGL itself comes after it.
@@ -61,7 +61,15 @@ class _Context:
             raise RuntimeError(f"its shader compiler says: {gl.glGetProgramInfoLog(program)!r}")
         return int(program)
 
+    def check_process(self) -> None:
+        if self.process != os.getpid():
+            raise EnvironmentFailure(
+                "OpenGL was used before this process was forked off: start worker processes with the 'spawn' method of "
+                "multiprocessing, or set SPACEVLN_RENDERER=raycast."
+            )
+
     def make_current(self) -> None:
+        self.check_process()
         self._context.make_current()
 
     def free(self) -> None:
@@ -86,10 +94,8 @@ def shared_context(backend: Backend) -> _Context:
 
     Raises:
         PrerequisiteError: the graphics library does not work.
+        EnvironmentFailure: it was already used before this process was forked off, which graphics libraries do not survive.
     """
-    if _contexts and _contexts[-1].process != os.getpid():
-        _contexts.clear()
-        _renderers.clear()
     if not _contexts:
         try:
             _contexts.append(_Context(backend))
@@ -99,6 +105,7 @@ def shared_context(backend: Backend) -> _Context:
                 "or set SPACEVLN_RENDERER=raycast."
             ) from error
         atexit.register(_free_all)
+    _contexts[-1].check_process()
     return _contexts[-1]
 
 

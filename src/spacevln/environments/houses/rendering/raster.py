@@ -189,7 +189,7 @@ def shade(
             length = math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) + 1e-12
             distance = math.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]) + 1e-12
             lamp = max((n[0] * at[0] + n[1] * at[1] + n[2] * at[2]) / (length * distance), 0.0)
-            light = 0.70 + (0.10 * n[2] + 0.07 * n[0] + 0.045 * n[1]) / length + 0.24 * lamp
+            light = 0.68 + (0.10 * n[2] + 0.10 * n[0] + 0.06 * n[1]) / length + 0.24 * lamp
             layer, emission, shine = marks[a, 0], marks[a, 1] / 255.0, marks[a, 2] / 255.0
             if layer < 255:
                 u = wa * uv[a, 0] + wb * uv[b, 0] + wc * uv[c3, 0]

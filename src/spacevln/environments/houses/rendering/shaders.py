@@ -53,7 +53,7 @@ void main() {
     float depth = -dot(to_eye, axis);
     vec3 n = normalize(facing);
     float lamp = max(dot(n, to_eye) * inversesqrt(dot(to_eye, to_eye)), 0.0);
-    float light = 0.70 + 0.10 * n.z + dot(n.xy, vec2(0.07, 0.045)) + 0.24 * lamp;
+    float light = 0.68 + 0.10 * n.z + dot(n.xy, vec2(0.10, 0.06)) + 0.24 * lamp;
     float gloss = lamp * lamp;
     gloss *= gloss;
     gloss *= gloss;
