@@ -19,7 +19,6 @@ from spacevln.core import (
     TurnPurpose,
     TurnRight,
     describe,
-    wrap_angle,
 )
 
 Float = NDArray[np.float64]
@@ -27,7 +26,10 @@ TURN_DEG = 30.0
 ARRIVED_M = 0.3
 OFF_PATH_COST = 1.2
 TURN_COST_M = 0.12
-MIN_GAIN_M = 0.1
+MIN_GAIN_M = -0.4
+HALF_TURN = 6  # turn steps of a half turn
+FORWARDS_M = (0.25, 0.5, 0.75, 1.0, 1.25)
+LANES_M = (-0.08, 0.0, 0.08)
 
 
 class RuleExecutor:
@@ -73,41 +75,53 @@ class RuleExecutor:
         )
 
     def _follow(self, context: ExecutorContext, path: Float) -> tuple[Action, TurnPurpose | None]:
-        """The admissible action that gains most along the path."""
-        pose = context.observation.pose
-        allowed = context.admissible
-        best: tuple[float, Action, TurnPurpose | None] | None = None
-        for steps in range(-6, 7):
-            heading = wrap_angle(pose.yaw_rad + math.radians(steps * TURN_DEG))
-            if steps > 0 and not allowed.left or steps < 0 and not allowed.right:
+        """The admissible action that gains most along the path; a turn counts by the forward that it makes possible."""
+        pose, allowed = context.observation.pose, context.admissible
+        reach = _clear_ahead(context)
+        best: tuple[float, Action, TurnPurpose | None] = (MIN_GAIN_M, Stop(), None)
+        for steps in range(-HALF_TURN, HALF_TURN + 1):
+            if (steps > 0 and not allowed.left) or (steps < 0 and not allowed.right):
                 continue
-            distances = allowed.forward_m if steps == 0 else (0.25, 0.5, 0.75, 1.0, 1.25)
+            heading = pose.yaw_rad + math.radians(steps * TURN_DEG)
+            open_m = reach[steps % (2 * HALF_TURN)]
+            distances = allowed.forward_m if steps == 0 else [d for d in FORWARDS_M if d <= open_m]
+            cost = TURN_COST_M * (abs(steps) + 2 * (steps != 0))
             for distance in distances:
-                gain = _gain(path, pose.xy_m, heading, distance) - TURN_COST_M * (abs(steps) + 2 * (steps != 0))
-                action: Action
-                if steps == 0:
-                    action, purpose = MoveForward(distance), None
-                else:
-                    action = TurnLeft(steps * TURN_DEG) if steps > 0 else TurnRight(-steps * TURN_DEG)
-                    purpose = TurnPurpose.ALIGN
-                if best is None or gain > best[0] + 1e-9:
-                    best = (gain, action, purpose)
-        if best is not None and best[0] > MIN_GAIN_M - 0.6:
-            return best[1], best[2]
-        return self._avoid(context)
+                gain = _gain(path, pose.xy_m, heading, distance) - cost
+                if gain > best[0] + 1e-9:
+                    if steps == 0:
+                        best = (gain, MoveForward(distance), None)
+                    else:
+                        turn = TurnLeft(steps * TURN_DEG) if steps > 0 else TurnRight(-steps * TURN_DEG)
+                        best = (gain, turn, TurnPurpose.ALIGN)
+        return (best[1], best[2]) if not isinstance(best[1], Stop) else self._avoid(context, reach)
 
     @staticmethod
-    def _avoid(context: ExecutorContext) -> tuple[Action, TurnPurpose | None]:
-        """No admissible action gains anything: turn to the more open side."""
-        allowed, obstacles = context.admissible, context.obstacles
-        sides: list[tuple[float, Action]] = []
-        if allowed.left:
-            sides.append((obstacles.left_30_m, TurnLeft(TURN_DEG)))
-        if allowed.right:
-            sides.append((obstacles.right_30_m, TurnRight(TURN_DEG)))
-        if sides:
-            return max(sides, key=lambda item: item[0])[1], TurnPurpose.AVOID
+    def _avoid(context: ExecutorContext, reach: list[float]) -> tuple[Action, TurnPurpose | None]:
+        """Nothing admissible gains along the path: the smallest turn to a side that is open, else a short forward, else STOP."""
+        allowed = context.admissible
+        for steps in sorted((s for s in range(-HALF_TURN + 1, HALF_TURN) if s), key=lambda s: (abs(s), s)):
+            if (steps > 0 and allowed.left or steps < 0 and allowed.right) and reach[steps % (2 * HALF_TURN)] >= 0.5:
+                turn: Action = TurnLeft(steps * TURN_DEG) if steps > 0 else TurnRight(-steps * TURN_DEG)
+                return turn, TurnPurpose.AVOID
         return (MoveForward(allowed.forward_m[0]), None) if allowed.forward_m else (Stop(), None)
+
+
+def _clear_ahead(context: ExecutorContext) -> list[float]:
+    """How far the body could go in each heading, left of the front in 30 degree steps, by the map [m]."""
+    pose = context.observation.pose
+    along = np.arange(0.15, FORWARDS_M[-1] + 0.2, 0.05)
+    headings = pose.yaw_rad + np.radians(TURN_DEG) * np.arange(2 * HALF_TURN)
+    forward = np.stack([np.cos(headings), np.sin(headings)], axis=1)
+    side = np.stack([-forward[:, 1], forward[:, 0]], axis=1)
+    points = (
+        pose.xy_m
+        + forward[:, None, None] * along[None, :, None, None]
+        + side[:, None, None] * np.array(LANES_M)[None, None, :, None]
+    )
+    blocked = context.space.is_obstacle(points.reshape(-1, 2)).reshape(len(headings), len(along), len(LANES_M)).any(axis=2)
+    first = np.where(blocked.any(axis=1), blocked.argmax(axis=1), len(along))
+    return [float(along[k - 1] - 0.1) if k else 0.0 for k in first]
 
 
 def _candidate(context: ExecutorContext) -> LandmarkCandidate | None:

@@ -143,6 +143,30 @@ class FloorGrid:
         points[0], points[-1] = start, goal
         return resampled(self._pulled(points, room))
 
+    def loose_walk(self, start: XY, goal: XY) -> Float | None:
+        """A walk over the whole storey that may brush along obstacles and over unseen floor at a price; None when cut off."""
+        cost = np.where(self.obstacle, 8.0, np.where(self.free, 1.0, 3.0))
+        cost = cost + 2.0 * np.clip(1.0 - np.asarray(distance_transform_edt(~self.obstacle)) * CELL_M / COMFORT_M, 0.0, 1.0)
+        index = np.arange(cost.size).reshape(self.shape)
+        rows, cols, costs = [], [], []
+        for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
+            a = (slice(0, self.shape[0] - di), slice(max(-dj, 0), self.shape[1] - max(dj, 0)))
+            b = (slice(di, None), slice(max(dj, 0), self.shape[1] - max(-dj, 0)))
+            rows.append(index[a].ravel())
+            cols.append(index[b].ravel())
+            costs.append((math.hypot(di, dj) * CELL_M * (cost[a] + cost[b]) / 2).ravel())
+        graph = csr_matrix((np.concatenate(costs), (np.concatenate(rows), np.concatenate(cols))), shape=(cost.size, cost.size))
+        (i, j), (k, m) = self.cell(start), self.cell(goal)
+        _, parents = dijkstra(graph, directed=False, indices=np.array([index[i, j]]), return_predecessors=True)
+        steps = [int(index[k, m])]
+        while steps[-1] != index[i, j]:
+            parent = int(parents[0][steps[-1]])
+            if parent < 0:
+                return None
+            steps.append(parent)
+        cells = np.stack(np.divmod(np.array(steps[::-1]), self.shape[1]), axis=1)
+        return resampled(self.origin + (cells + 0.5) * CELL_M) if len(cells) > 1 else None
+
     def _pulled(self, points: Float, room: int) -> Float:
         """Without the corners that a straight walk can skip."""
         keep = [0]

@@ -1,22 +1,48 @@
-"""From a metric goal to a direction of the look-around and the words for it."""
+"""From a metric goal to a reachable place on the way there, a direction of the look-around, and lengths of ways."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacevln.core import PlannerContext, View, wrap_angle
+from spacevln.reasoning.rules.grid import FloorGrid
 from spacevln.reasoning.rules.sightings import XY
 
 TRAVERSABLE_M = 0.5
-LOOK_AHEAD_M = 1.0
+LOOK_AHEAD_M = 0.9
+RING_M = (0.15, 0.3, 0.45, 0.6)
+BLIND_M = 0.8  # where no way is known, a stage goes this far along the loose one
+
+
+def reachable_goal(context: PlannerContext, grid: FloorGrid, goal: XY) -> tuple[XY, bool]:
+    """The goal itself, a place beside it, or the furthest place on a looser way to it, and whether a known way leads there."""
+    here = context.pose.xy_m
+    if math.isfinite(context.space.geodesic_m(here, np.array(goal))):
+        return goal, True
+    back = math.atan2(here[1] - goal[1], here[0] - goal[0])
+    for radius in RING_M:
+        for turn in (0.0, 0.8, -0.8, 1.6, -1.6, 2.4, -2.4, math.pi):
+            xy = (goal[0] + radius * math.cos(back + turn), goal[1] + radius * math.sin(back + turn))
+            if math.isfinite(context.space.geodesic_m(here, np.array(xy))):
+                return xy, True
+    loose = grid.loose_walk((float(here[0]), float(here[1])), goal)
+    if loose is None:
+        return goal, False
+    for point in loose[::-1]:
+        if context.pose.distance_m(*point) > 0.5 and math.isfinite(context.space.geodesic_m(here, point)):
+            return (float(point[0]), float(point[1])), True
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(loose, axis=0).T))])
+    at = min(BLIND_M, float(arc[-1]))
+    return (float(np.interp(at, arc, loose[:, 0])), float(np.interp(at, arc, loose[:, 1]))), False
 
 
 def bearing_of_way(context: PlannerContext, goal: XY) -> float:
     """Egocentric direction of the first metre of the way to a goal."""
     pose = context.pose
-    path = context.space.path(pose.xy_m, np.array(goal))
+    path: NDArray[np.float64] = context.space.path(pose.xy_m, np.array(goal))
     if len(path) < 2:
         return pose.bearing_rad(*goal)
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])

@@ -23,7 +23,7 @@ from spacevln.core import (
     Verdict,
 )
 from spacevln.language import Clause, cue_kind, known_categories, norm, region_kind
-from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, way_length_m
+from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, reachable_goal, way_length_m
 from spacevln.reasoning.rules.object_goal import find_object
 from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses
 from spacevln.reasoning.rules.search import Hypothesis, Search
@@ -121,7 +121,12 @@ class RulePlanner:
         hypotheses = search.run(self._state.start_node(world))
         if not hypotheses:
             return self._lost(context, world, final_anchor(clauses))
-        best = max(hypotheses[:12], key=lambda h: (self._worth(context, h), -h.value))
+        distinct: dict[tuple[object, ...], Hypothesis] = {}
+        for hypothesis in hypotheses:  # best first: the best trail to each goal stands for it
+            distinct.setdefault(
+                (hypothesis.floor, round(hypothesis.goal[0], 1), round(hypothesis.goal[1], 1), hypothesis.complete), hypothesis
+            )
+        best = max(list(distinct.values())[:12], key=lambda h: (self._worth(context, h), -h.value))
         return self._goal_of(best, clauses, world)
 
     def _worth(self, context: PlannerContext, hypothesis: Hypothesis) -> float:
@@ -197,7 +202,9 @@ class RulePlanner:
                 following = goal.anchor
             following = goal.anchor
             chain, index = (*verified, goal.anchor, *goal.rest), len(verified) - 1
-        bearing = bearing_of_way(context, goal.xy)
+        target, known = reachable_goal(context, world.grids[world.floor], goal.xy)
+        fallbacks = goal.fallbacks if known else (*goal.fallbacks, "loose_way")
+        bearing = bearing_of_way(context, target)
         view = choose_view(context, bearing)
         state.target = (goal.floor, goal.xy)
         landmark = "" if following is None else following.cue
@@ -211,7 +218,7 @@ class RulePlanner:
             landmark=landmark,
             complete=complete,
             verdict=self._verdict(context, reached),
-            target_m=None if following is None else (goal.xy[0], goal.xy[1], context.pose.z_m),
+            target_m=None if following is None else (target[0], target[1], context.pose.z_m),
         )
         thought = PlannerThought(
             observation=observation_text(context, world),
@@ -222,7 +229,7 @@ class RulePlanner:
             if complete
             else f"{view.label}: {following}" + (f", then {', '.join(map(str, goal.rest))}." if goal.rest else "."),
         )
-        return PlannerReply(subtask, thought, goal.fallbacks)
+        return PlannerReply(subtask, thought, fallbacks)
 
     def _at(self, context: PlannerContext, goal: Goal, reached: bool) -> bool:
         headed = context.last_subtask is not None and context.last_subtask.targets_final_anchor

@@ -229,7 +229,7 @@ class Search:
                 continue
             onward = self._step(trail, leg, node)
             j = self._followed(onward.vector)
-            value = onward.vector[j] + self.tail[j] - 0.35 + min(0.1, 0.05 * frontier.width_m)
+            value = onward.vector[j] + self.tail[j] - 0.8 + 0.3 * min(2.0, frontier.width_m)
             yield Hypothesis(onward, value, frontier.position_m, node.floor, False, j, "frontier")
         for stairs in self.world.stairs_of(node.floor, node.room):
             if any(
@@ -321,7 +321,7 @@ class Search:
             if leg is None:
                 continue
             fits = self.matcher.portal_fits(phrase, portal, side, leg)
-            score = 0.75 + 0.25 * agree if agree >= 0 else 0.75 + agree
+            score = 0.75 + 0.25 * agree if not phrase.region or agree > 0 else 0.4 + agree
             yield goal, weight * score * fits * (0.9 if just_used else 1.0), None, f"portal {portal.id}"
 
     def inside(self, node: Node) -> XY:

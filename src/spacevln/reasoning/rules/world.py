@@ -23,6 +23,8 @@ from spacevln.reasoning.rules.sightings import XY, Portal, Sightings, Thing
 FLOOR_HEIGHT_M = 1.5
 SIDE_REACHES_M = (0.35, 0.5, 0.65, 0.8, 0.25)
 HALLWAY_BREADTH_M = 2.6
+LEAST_FRONTIER_M = 0.5
+LOOKED_AT_M = 1.1  # an edge this near to an earlier look-around hides nothing more
 RELATED = {
     "patio": ("balcony",), "balcony": ("patio",), "lobby": ("hallway",), "hallway": ("lobby",), "closet": ("dressing room", "storage"),
     "dressing room": ("closet",), "storage": ("closet", "pantry", "garage"), "library": ("office",), "office": ("library", "studio"),
@@ -64,7 +66,7 @@ class World:
     ) -> None:
         self.sightings = sightings
         self.grids = grids
-        self.frontiers = tuple(frontiers)
+        self.frontiers = tuple(f for f in frontiers if f.width_m >= LEAST_FRONTIER_M and not _looked_at(f, floor, visited))
         self.floor = floor
         self.links = tuple(links)
         self.visited_rooms = {(f, grids[f].room_at(xy)) for f, xy in visited if f in grids}
@@ -189,6 +191,10 @@ class World:
         """Just beyond a portal for someone who comes from ``side``."""
         room = self.portal_rooms[portal.id][1 - side]
         return Node(portal.floor, room, portal.beside(1 - side, 0.45), portal.normal_rad(side), portal.id, 1 - side)
+
+
+def _looked_at(frontier: Frontier, floor: int, visited: Sequence[tuple[int, XY]]) -> bool:
+    return any(f == floor and math.dist(frontier.position_m, xy) < LOOKED_AT_M for f, xy in visited)
 
 
 def known_points(
