@@ -10,6 +10,7 @@ from spacevln.agent.world import World
 from spacevln.control import StepBudget
 from spacevln.core import (
     Action,
+    ContractError,
     Environment,
     EnvironmentSpec,
     EpisodeSpec,
@@ -61,7 +62,8 @@ class Body:
     @property
     def view(self) -> Observation:
         """What the camera sees now."""
-        assert self.observation is not None, "reset comes first"  # noqa: S101 - an invariant of the loop
+        if self.observation is None:
+            raise ContractError("The body was asked for its view before reset: the loop must reset it first.")
         return self.observation
 
     @property
