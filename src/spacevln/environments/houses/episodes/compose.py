@@ -118,7 +118,8 @@ def describe(topology: Topology, route: Route, rng: np.random.Generator, detail:
         final = ending(stretch, clauses)
         if final is None:
             return None
-        clauses += approach(stretch) + list(final)
+        named = {noun for clause in final for noun in clause.nouns}
+        clauses += [c for c in approach(stretch) if not named & set(c.nouns)] + list(final)
     return joined(clauses, rng)
 
 
@@ -168,7 +169,7 @@ def entry_turn(stretch: Stretch) -> Clause | None:
     if stretch.leg.length_m < 0.8:
         return None
     if stretch.index == 0:
-        if stretch.chance(0.06):
+        if stretch.chance(0.035):
             oriented = orientation(stretch)
             if oriented is not None:
                 return oriented
@@ -176,7 +177,7 @@ def entry_turn(stretch: Stretch) -> Clause | None:
             return make.around(stretch.rng) if stretch.chance(0.32) else None
         if size > CLEAR_TURN_RAD and stretch.chance(0.28):
             return turn_clause(stretch, angle, 0.0)
-    elif CLEAR_TURN_RAD < size < math.radians(150) and stretch.chance(0.5):
+    elif CLEAR_TURN_RAD < size < math.radians(150) and stretch.chance(0.43):
         return turn_clause(stretch, angle, 0.0)
     elif math.radians(28) < size < math.radians(48) and stretch.chance(0.15):
         return make.slight(angle, stretch.rng)
@@ -196,13 +197,13 @@ def turn_clause(stretch: Stretch, angle: float, s: float) -> Clause:
     ]
     options: list[tuple[float, Callable[[], Clause]]] = [
         (0.6, lambda: make.turn(angle)),
-        (0.2, lambda: make.take_turn(angle)),
+        (0.13, lambda: make.take_turn(angle)),
     ]
     if abs(angle) > math.radians(110):
         options.append((0.4, lambda: make.sharp(angle, rng)))
     if near:
         item = stretch.salient(near)
-        options.append((0.22, lambda: make.turn_at(angle, stretch.thing(item), rng)))
+        options.append((0.12, lambda: make.turn_at(angle, stretch.thing(item), rng)))
     if is_hallway(stretch.room) and s == 0.0 and stretch.leg.length_m > 1.5:
         options.append((0.15, lambda: make.turn_down(angle, stretch.room, rng)))
     return stretch.pick(options)
@@ -244,13 +245,13 @@ def middle(stretch: Stretch, moved: bool, hall_said: bool) -> list[tuple[float, 
     elif not is_hallway(stretch.room) and stretch.index > 0 and leg.length_m > 2.2 and stretch.chance(0.3):
         out.append((0.4, make.through_space(stretch.room, rng)))
     seen = stretch.landmarks()
-    if seen and stretch.chance(0.42):
+    if seen and stretch.chance(0.34):
         weights = np.array([salience(item) for _, item in seen])
         count = min(len(seen), 1 + stretch.chance(0.12))
         take = [seen[int(k)] for k in rng.choice(len(seen), count, replace=False, p=weights / weights.sum())]
         solid = [pair for pair in seen if pair[1].solid and pair[1].z - z_m < 0.1]
         pair = [(a, b) for a in solid for b in solid if a[0].side > 0 > b[0].side and abs(a[0].s_m - b[0].s_m) < 0.8]
-        if pair and stretch.chance(0.14):
+        if pair and stretch.chance(0.08):
             (a, one), (b, two) = pair[int(rng.integers(len(pair)))]
             out.append((min(a.s_m, b.s_m), make.between(stretch.thing(one), stretch.thing(two))))
         else:
@@ -301,8 +302,8 @@ def cross(stretch: Stretch) -> Clause:
         weight = 1.1 if stretch.index == 0 else 0.2
         options += [
             (weight, lambda: make.leave(here, rng)),
-            (weight * 0.25, lambda: make.leave_through(here, portal, rng)),
-            (weight * 0.2, lambda: make.leave_into(here, there, rng)),
+            (weight * 0.16, lambda: make.leave_through(here, portal, rng)),
+            (weight * 0.1, lambda: make.leave_into(here, there, rng)),
         ]
     if abs(leg.first_turn_rad) < math.radians(30) and abs(leg.exit_turn_rad) < math.radians(35):
         options.append((0.25, lambda: make.straight_through(portal, rng)))

@@ -70,7 +70,7 @@ def _form(clause: Clause, before: Clause | None, split: Split) -> str:
 
 def _breaks(pieces: list[str], rng: np.random.Generator) -> list[bool]:
     """Where sentences end: a sentence has one to three clauses, mostly two."""
-    style = rng.choice(3, p=(0.3, 0.45, 0.25))
+    style = rng.choice(3, p=(0.38, 0.44, 0.18))
     p = (0.12, 0.5, 0.75)[int(style)]
     out: list[bool] = []
     run = 1

@@ -103,10 +103,10 @@ def _item_end(topology: Topology, room: int, rng: np.random.Generator) -> End | 
 def sample_start(
     topology: Topology, field: Float, goal_floor: int, target_m: float, rng: np.random.Generator
 ) -> tuple[XY, int] | None:
-    """A walkable point about ``target_m`` from the goal, in a random room; on another storey if that exists, three times in four."""
+    """A walkable point about ``target_m`` from the goal, in a random room; on another storey if that exists, nine times in ten."""
     house = topology.house
     good = topology.space.walkable & (np.abs(field - target_m) < 0.6) & (topology.space.room >= 0)
-    if len(house.floors) > 1 and rng.random() < 0.75:
+    if len(house.floors) > 1 and rng.random() < 0.9:
         other = good.copy()
         other[goal_floor] = False
         good = other if other.any() else good

@@ -160,7 +160,10 @@ def portal_targets(topology: Topology, here: Node, stop: Stop) -> Iterator[tuple
     """Places at the doorways that a stop may mean."""
     floor = topology.house.rooms[here.room].floor
     for portal in topology.of_room[here.room]:
-        if portal.kind == "stairs" or portal.id == here.portal:
+        back = portal.id == here.portal
+        if back and not (stop.space or stop.side):
+            yield here.xy, list(threshold(topology, portal))  # the door one came through is a door, too
+        if portal.kind == "stairs" or back:
             continue
         if stop.space and stop.space not in (kind(topology, portal.other(here.room)), "room"):
             continue
