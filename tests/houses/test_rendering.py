@@ -261,7 +261,8 @@ def test_a_forked_child_gets_a_sentence_instead_of_a_frozen_driver(monkeypatch, 
 
 def test_casting_rays_loads_no_graphics_library():
     script = (
-        "import sys, two_rooms; from spacevln.core import *; from spacevln.environments.houses.environment import HousesEnvironment\n"
+        "import sys, two_rooms; from spacevln.core import *\n"
+        "from spacevln.environments.houses.environment import HousesEnvironment\n"
         "e = HousesEnvironment(load=two_rooms.place)\n"
         "e.reset(EpisodeSpec('1', 'house-000000', Pose(1, 2), InstructionTask('go')))\n"
         "assert 'OpenGL' not in sys.modules, 'OpenGL was loaded'\n"
