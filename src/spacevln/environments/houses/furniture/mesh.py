@@ -13,6 +13,8 @@ from spacevln.core.errors import UnknownNameError
 from spacevln.environments.houses.materials import Material, material
 from spacevln.environments.houses.plan import Part
 
+_THIN_M = 0.035
+"""Rods thinner than this, and balls smaller than twice this, get fewer faces."""
 Array = NDArray[np.float64]
 Faces = NDArray[np.int32]
 
@@ -232,8 +234,12 @@ def named_mesh(name: str) -> UnitMesh:
         return _box()
     if name == "cylinder":
         return lathe([(0, -1), (1, -1), (1, 1), (0, 1)], 14)
+    if name == "thin cylinder":
+        return lathe([(0, -1), (1, -1), (1, 1), (0, 1)], 8)
     if name == "ellipsoid":
         return superellipsoid(1.0, 14, 8)
+    if name == "small ellipsoid":
+        return superellipsoid(1.0, 9, 6)
     if name not in CUSTOM:
         raise UnknownNameError("mesh", name, CUSTOM)
     return CUSTOM[name]()
@@ -270,7 +276,11 @@ def part_triangles(part: Part) -> Triangles:
     if part.shape == "capsule":
         mesh, size = named_mesh("ellipsoid"), np.array([part.size[0], part.size[0], part.size[1] + part.size[0]])
     elif part.shape == "cylinder":
-        mesh, size = named_mesh("cylinder"), np.array([part.size[0], part.size[0], part.size[1]])
+        thin = part.size[0] < _THIN_M
+        mesh = named_mesh("thin cylinder" if thin else "cylinder")
+        size = np.array([part.size[0], part.size[0], part.size[1]])
+    elif part.shape == "ellipsoid":
+        mesh, size = named_mesh("small ellipsoid" if max(part.size) < 2 * _THIN_M else "ellipsoid"), np.array(part.size)
     else:
         mesh, size = named_mesh(part.mesh if part.shape == "mesh" else part.shape), np.array(part.size)
     uv = _texture_coordinates(mesh, size, material(part.material))

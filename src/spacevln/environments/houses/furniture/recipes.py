@@ -73,7 +73,9 @@ def living_room(s: RoomSpace) -> None:
         s.against_wall("piano", "centre", front_m=0.1)
     if some(s, 0.6):
         s.against_wall("bookshelf", "any")
-    if s.room.area > 20 and some(s, 0.25):
+    if s.room.area > 22 and some(s, 0.35):
+        s.free_standing("pool table", (0.0, math.pi / 2), spread=0.8)
+    if s.room.area > 18 and some(s, 0.3):
         s.against_wall("aquarium", "any")
     extras = ("potted plant", "floor lamp", "potted plant", "ottoman", "statue", "stereo", "guitar", "fan", "globe", "column")
     s.against_wall("potted plant", "door")

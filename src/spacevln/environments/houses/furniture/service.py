@@ -25,7 +25,11 @@ def kitchen(s: RoomSpace) -> None:
     """Counters in a row with stove, sink and refrigerator; an island or a small table; things on the counters."""
     look = s.taste.look("kitchen counter")
     metal = s.taste.look("refrigerator")
-    row = _kitchen_row(s, look, metal)
+    row = _kitchen_row(s, look, metal, _ROWS[:3])
+    if not row:
+        # the tall refrigerator needs the rare stretch of wall without a window
+        cold = s.surely("refrigerator", "corner", metal)
+        row = [*_kitchen_row(s, look, metal, _ROWS[3:]), *([cold] if cold is not None else [])]
     have = {item.category for item in row}
     for name in ("stove", "refrigerator", "kitchen sink", "kitchen counter"):
         if name not in have:
@@ -56,9 +60,9 @@ def kitchen(s: RoomSpace) -> None:
     light(s)
 
 
-def _kitchen_row(s: RoomSpace, look: int, metal: int) -> list[Item]:
+def _kitchen_row(s: RoomSpace, look: int, metal: int, rows: tuple[tuple[str, ...], ...]) -> list[Item]:
     sides = sorted(s.sides, key=lambda side: -side.length)
-    for row, compact in ((row, compact) for row in _ROWS for compact in (False, True)):
+    for row, compact in ((row, compact) for row in rows for compact in (False, True)):
         made = [design(name, look if name in _CABINETS else metal, smallest_form(name) if compact else 0) for name in row]
         for order in (made, made[::-1]) if some(s, 0.5) else (made[::-1], made):
             total = sum(one.size[0] for one in order) + 0.002 * len(order)
@@ -146,8 +150,9 @@ def laundry_room(s: RoomSpace) -> None:
 
 def closet(s: RoomSpace) -> None:
     """Wardrobes, shoes, suitcases, boxes."""
-    s.against_wall("wardrobe", "corner")
+    s.surely("clothes rack", "centre", front_m=0.2)
     s.against_wall("shoe rack", "any")
+    s.against_wall("wardrobe", "corner")
     corner_things(s, ("suitcase", "cardboard box", "coat rack", "suitcase", "vacuum cleaner", "ironing board", "storage rack"), 3)
     if some(s, 0.5):
         s.on_wall("mirror", 0.7)

@@ -60,7 +60,7 @@ def _bush() -> UnitMesh:
 
 
 def _curtain() -> UnitMesh:
-    x = np.linspace(-1, 1, 25)
+    x = np.linspace(-1, 1, 21)
     y = 0.9 * np.sin(x * np.pi * 5)
     slope = 0.9 * 5 * np.pi * np.cos(x * np.pi * 5) * 0.12
     points: list[tuple[float, float, int]] = []
@@ -149,11 +149,11 @@ COLUMN = [(0.0, -1.0), (1.0, -1.0), (1.0, -0.9), (0.78, -0.84), (0.7, 0.84), (0.
 
 CUSTOM.update(
     {
-        "cushion": lambda: superellipsoid(0.35),
-        "pillow": lambda: superellipsoid(0.7),
+        "cushion": lambda: superellipsoid(0.35, 14, 7),
+        "pillow": lambda: superellipsoid(0.7, 12, 6),
         "cone": lambda: lathe([(0, -1), (1, -1), (0, 1)], 12, smooth=False),
-        "ring": torus,
-        "thinring": lambda: torus(0.07, 24, 6),
+        "ring": lambda: torus(0.2, 16, 6),
+        "thinring": lambda: torus(0.07, 18, 5),
         "plant": lambda: _foliage(16, 0.45, 0.14, 1),
         "palm": lambda: _foliage(14, 0.75, 0.09, 2),
         "snakeplant": lambda: _foliage(11, 0.05, 0.1, 3),
@@ -180,7 +180,7 @@ _TURNED: dict[str, list[tuple[float, float]]] = {
 
 
 def _turner(profile: list[tuple[float, float]]) -> Callable[[], UnitMesh]:
-    return lambda: lathe(profile)
+    return lambda: lathe(profile, 14)
 
 
 CUSTOM.update({name: _turner(profile) for name, profile in _TURNED.items()})

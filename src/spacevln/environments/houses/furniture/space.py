@@ -83,7 +83,9 @@ class RoomSpace:
             face = face_of(o, self.room)
             wide, deep = o.width_m / 2 + CASING_M + 0.02, 0.06 if o.kind != "window" else 0.11
             head = o.head_m + CASING_M + 0.02
-            self._blocks.append(Block(strip_before(o, -wide, wide, face, half, deep), max(0.0, o.sill_m - 0.04), head, o.id))
+            # a headboard or a tap may reach a little over a window sill
+            low = o.sill_m + 0.25 if o.kind == "window" else 0.0
+            self._blocks.append(Block(strip_before(o, -wide, wide, face, half, deep), low, head, o.id, max(0.0, o.sill_m - 0.06)))
             leaf = leaf_place(house, o)
             if leaf is not None and leaf.room == self.room.id:
                 near, far = leaf.side * o.width_m / 2, leaf.side * (1.5 * o.width_m + 0.03)
@@ -117,7 +119,7 @@ class RoomSpace:
         """Whether a volume is in the room and free; heights over the floor."""
         if not self.inside(rect) or z1 > self.ceiling_m - 0.005:
             return False
-        if any(z0 < b.z1_m - TOUCH_M and b.z0_m < z1 - TOUCH_M and overlap(rect, b.rect) for b in self._blocks):
+        if any(z0 < b.z1_m - TOUCH_M and b.low_m(solid) < z1 - TOUCH_M and overlap(rect, b.rect) for b in self._blocks):
             return False
         return not solid or ignore_reserved or not any(overlap(rect, zone) for zone in self._reserved)
 
@@ -297,7 +299,8 @@ class RoomSpace:
             return None
         shares = [at] if at is not None else [float(v) for v in self.rng.permutation(np.linspace(-0.95, 0.95, 7))]
         for share in shares:
-            dx, dy = share * room_x, -room_y if back else float(self.rng.uniform(-0.4, 0.4)) * room_y
+            depth = -1.0 if back else 0.0 if at is not None else float(self.rng.uniform(-0.4, 0.4))
+            dx, dy = share * room_x, depth * room_y
             c, s = math.cos(support.yaw_rad), math.sin(support.yaw_rad)
             pose = Pose2(support.x + c * dx - s * dy, support.y + s * dx + c * dy, support.yaw_rad)
             z = support.z - self.floor_z + top + 0.001

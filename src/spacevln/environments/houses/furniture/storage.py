@@ -227,3 +227,27 @@ def _wine_rack(k: Kit, look: Look) -> None:
                 stuff = ("gloss-green", "gloss-burgundy", "gloss-olive")[(i + j) % 3]
                 k.bar(stuff, 0.04, 0.26, x=(i - 1.5) * (w - 0.03) / 4, y=0.0, z=z + 0.075, along="y")
                 k.bar("gloss-gold", 0.016, 0.1, x=(i - 1.5) * (w - 0.03) / 4, y=0.18, z=z + 0.075, along="y")
+
+
+@kind(
+    "clothes rack",
+    looks(
+        ("black metal", "gloss-black", "plain-charcoal"),
+        ("silver metal", "gloss-silver", "plain-gray"),
+        ("gold metal", "gloss-brass", "plain-black"),
+    ),
+)
+def _clothes_rack(k: Kit, look: Look) -> None:
+    w, h = 1.2, 1.6
+    for s in (-1, 1):
+        k.rod(look.main, 0.018, h, x=s * w / 2)
+        k.box(look.main, 0.04, 0.5, 0.04, x=s * w / 2)
+    k.bar(look.main, 0.018, w, z=h)
+    k.bar(look.main, 0.014, w, z=0.2)
+    clothes = ("red", "white", "navy", "yellow", "green", "black", "pink", "sky", "brown", "purple")
+    for i, colour in enumerate(clothes):
+        x, length = (i - 4.5) * 0.11, 0.75 + 0.12 * (i * 7 % 5)
+        k.mesh("prism", f"fabric-{colour}", 0.06, 0.42, 0.14, x=x, z=h - 0.22)
+        k.box(f"fabric-{colour}", 0.06, 0.42, length - 0.1, x=x, z=h - 0.12 - length)
+        k.box("plain-silver", 0.01, 0.01, 0.1, x=x, z=h - 0.09)
+    k.box("cardboard-tan", 0.36, 0.3, 0.18, x=0.25, z=0.21)

@@ -100,7 +100,7 @@ def _patio_table(k: Kit, look: Look) -> None:
     ),
 )
 def _pool_table(k: Kit, look: Look) -> None:
-    w, d = 2.1, 1.2
+    w, d = 1.95, 1.1
     for sx in (-1, 1):
         for sy in (-1, 1):
             k.mesh("turned", look.trim, 0.16, 0.16, 0.56, x=sx * (w / 2 - 0.2), y=sy * (d / 2 - 0.18))

@@ -49,12 +49,20 @@ class Side:
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """A taken volume, heights over the floor; ``opening`` is the id of the opening whose hole and casing it keeps free."""
+    """A taken volume, heights over the floor.
+
+    ``opening`` is the id of the opening whose hole and casing it keeps free, ``hung_z0_m`` its lower end for hung things.
+    """
 
     rect: Rect
     z0_m: float
     z1_m: float
     opening: int | None = None
+    hung_z0_m: float | None = None
+
+    def low_m(self, solid: bool) -> float:
+        """Lower end: a window keeps more free of what hangs than of what stands before it."""
+        return self.z0_m if solid or self.hung_z0_m is None else self.hung_z0_m
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,6 +56,7 @@ COLOURS: dict[str, tuple[int, int, int]] = {
     "copper": (184, 108, 70),
     "skin": (220, 178, 148),
     "leaf": (62, 122, 48),
+    "grass": (126, 166, 88),
     "glass": (176, 208, 214),
     "water": (96, 172, 206),
     "felt": (22, 112, 66),

@@ -97,4 +97,4 @@ def _window(k: Kit, house: House, opening: Opening) -> None:
         k.box("plain-white", CASING_M, _PROUD_M, h, x=s * (w + CASING_M) / 2, y=proud, z=z)
     k.box("plain-white", w + 2 * CASING_M, _PROUD_M, CASING_M, y=proud, z=z + h)
     if z > 0.05:
-        k.box("plain-white", w + 2 * CASING_M + 0.04, 0.1, 0.03, y=inside * t / 2, z=z - 0.03)
+        k.box("plain-white", w + 2 * CASING_M + 0.04, 0.1, 0.03, y=inside * t / 2, z=z - 0.034)

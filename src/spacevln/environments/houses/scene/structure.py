@@ -115,7 +115,7 @@ def lawn_pieces(house: House) -> list[Piece]:
     if not any(room.type == "balcony" and room.floor == 0 for room in house.rooms):
         return []
     x0, y0, x1, y1 = min(r.x0 for r in rects), min(r.y0 for r in rects), max(r.x1 for r in rects), max(r.y1 for r in rects)
-    stuff = material("lawn-leaf")
+    stuff = material("lawn-grass")
     points, normals = box_faces(Rect(x0 - 25, y0 - 25, x1 + 25, y1 + 25), -0.6, -0.55, ("+z",))
     return [Piece(quads(points, normals, flat_uv(points, normals, stuff)), stuff, 0, None)]
 
