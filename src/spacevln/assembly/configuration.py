@@ -54,6 +54,7 @@ class Configuration(_Settings):
     """Configuration of a run.
 
     Args:
+        driver: ``agent``, or a baseline: ``random``, ``forward``, ``oracle`` (the shortest path, by ground truth).
         environment: where it drives.
         detector: what grounds landmarks.
         components: which parts of the agent are on.
@@ -61,6 +62,7 @@ class Configuration(_Settings):
         step_budget: environment steps per episode, STOP included; None takes the task's (260 instructions, 280 object goals).
     """
 
+    driver: Literal["agent", "random", "forward", "oracle"] = "agent"
     environment: HousesSettings = HousesSettings()
     detector: LabelDetectorSettings = LabelDetectorSettings()
     components: ComponentSettings = ComponentSettings()

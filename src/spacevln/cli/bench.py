@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -33,6 +33,16 @@ def _seed_range(_context: click.Context, _parameter: click.Parameter, value: str
     default=None,
     help="One fresh episode of each house seed A..B-1 instead of the split.",
 )
+@click.option(
+    "--driver",
+    type=click.Choice(["agent", "random", "forward", "oracle"]),
+    default="agent",
+    show_default=True,
+    help="The agent, or a baseline.",
+)
+@click.option(
+    "--probe", type=click.Choice(["none", "swapped", "last-noun"]), default="none", help="Another instruction: does it matter?"
+)
 @click.option("--episodes", type=click.IntRange(min=1), default=None, help="Only the first so many.")
 @click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
 @click.option("--level", type=click.Choice(["light", "full"]), default="light", show_default=True, help="How much is recorded.")
@@ -44,6 +54,8 @@ def bench(
     episodes: int | None,
     workers: int,
     level: str,
+    driver: Literal["agent", "random", "forward", "oracle"],
+    probe: str,
     out: Path | None,
     **options: Any,
 ) -> int:
@@ -54,11 +66,11 @@ def bench(
     from spacevln.evaluation.runner import bench as run_suite
     from spacevln.recording import RecordLevel
 
-    configuration = configuration_from(options)
-    selection = Selection.model_validate({"suite": suite, "split": split, "seeds": seeds, "episodes": episodes})
+    configuration = configuration_from(options, driver)
+    selection = Selection.model_validate({"suite": suite, "split": split, "seeds": seeds, "episodes": episodes, "probe": probe})
     total = len(selection.load())
     directory = prepare(out)
-    claim_directory(directory, describe_run(f"{suite} {split} {seeds}", configuration))
+    claim_directory(directory, describe_run(selection.name, configuration))
     job = Job(selection, configuration, directory, RecordLevel(level))
     progress = _Progress(total)
     with progress:

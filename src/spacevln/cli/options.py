@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import click
+
+if TYPE_CHECKING:
+    from spacevln.assembly import Configuration
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -35,7 +38,9 @@ def agent_options(command: F) -> F:
     return command
 
 
-def configuration_from(options: dict[str, Any]) -> Any:
+def configuration_from(
+    options: dict[str, Any], driver: Literal["agent", "random", "forward", "oracle"] = "agent"
+) -> Configuration:
     """The configuration that these options say."""
     from spacevln.assembly import (
         ComponentSettings,
@@ -45,6 +50,7 @@ def configuration_from(options: dict[str, Any]) -> Any:
     )
 
     return Configuration(
+        driver=driver,
         environment=HousesSettings(renderer=options["renderer"], sliding=options["sliding"]),
         detector=LabelDetectorSettings(miss_rate=options["miss_rate"], confusion_rate=options["confusion_rate"]),
         components=ComponentSettings(**dict.fromkeys(options["without"], False)),

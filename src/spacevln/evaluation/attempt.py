@@ -9,7 +9,8 @@ from pathlib import Path
 from types import TracebackType
 
 from spacevln.assembly import Configuration, build_agent, build_environment
-from spacevln.core import EventSink, RecordError
+from spacevln.core import EventSink, RecordError, UsageError
+from spacevln.evaluation.baselines import ForwardWalker, OracleWalker, RandomWalker, walk
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.score import environment_failure, score
 from spacevln.recording import EpisodeRecorder, RecordLevel, ResultFile, write_file
@@ -52,8 +53,7 @@ class Session(AbstractContextManager["Session"]):
         """
         recorder = EpisodeRecorder(directory, level)
         try:
-            agent = build_agent(self._configuration, self._environment, (recorder, *sinks))
-            agent.run(episode.spec)
+            self._drive(episode, (recorder, *sinks))
             result = score(episode, directory, restarts=restarts)
         except RecordError:
             raise
@@ -63,6 +63,20 @@ class Session(AbstractContextManager["Session"]):
         finally:
             recorder.close()
         write_file(directory / "result.json", result, first_stands=True)
-        if level is RecordLevel.FULL and not (directory / "crash.txt").exists():
+        if level is RecordLevel.FULL and self._configuration.driver == "agent" and not (directory / "crash.txt").exists():
             draw_topdown(directory)
         return result
+
+    def _drive(self, episode: Episode, sinks: Sequence[EventSink]) -> None:
+        """Run the agent, which gets the ``spec`` and nothing else, or a baseline."""
+        match self._configuration.driver:
+            case "agent":
+                build_agent(self._configuration, self._environment, sinks).run(episode.spec)
+            case "random":
+                walk(RandomWalker(episode.episode_id.encode()), episode, self._environment, sinks)
+            case "forward":
+                walk(ForwardWalker(), episode, self._environment, sinks)
+            case "oracle":
+                if episode.truth is None:
+                    raise UsageError(f"{episode.episode_id!r} has no truth that an oracle could follow: use a suite's episode.")
+                walk(OracleWalker(episode.truth), episode, self._environment, sinks)

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict
 from spacevln.core import PrerequisiteError, UnknownNameError, UsageError
 from spacevln.evaluation.episode import Episode
 
+Probe = Literal["none", "swapped", "last-noun"]
 SuiteName = Literal["houses-vln", "houses-objectnav"]
 SUITES: tuple[SuiteName, ...] = ("houses-vln", "houses-objectnav")
 HABITAT_SUITES = ("r2r-ce", "rxr-ce", "hm3d-ovon", "gn-bench")
@@ -66,6 +67,7 @@ class Selection(BaseModel):
         split: ``test`` (phrases never used for tuning) or ``dev``.
         seeds: one fresh episode of each house seed A..B-1 instead of the split's own seeds.
         episodes: only the first so many.
+        probe: replaces the instruction, to see whether it matters (:mod:`.probes`).
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -74,6 +76,13 @@ class Selection(BaseModel):
     split: Literal["test", "dev"] = "test"
     seeds: tuple[int, int] | None = None
     episodes: int | None = None
+    probe: Probe = "none"
+
+    @property
+    def name(self) -> str:
+        """One line that identifies the selection in ``run.json``; how many of its episodes run does not matter."""
+        seeds = self.seeds or (TEST_SEEDS if self.split == "test" else DEV_SEEDS)
+        return f"{self.suite} seeds {seeds[0]}:{seeds[1]}" + (f" probe {self.probe}" if self.probe != "none" else "")
 
     def load(self) -> EpisodeSequence:
         """The episodes.
@@ -93,9 +102,10 @@ class Selection(BaseModel):
         if self.episodes is not None and self.episodes < 1:
             raise UsageError(f"{self.episodes} episodes were asked for: give at least 1.")
         from spacevln.evaluation.houses import house_episode, house_episode_id
+        from spacevln.evaluation.probes import probe
 
         ids = [house_episode_id(self.suite, seed) for seed in range(first, last)][: self.episodes]
-        return EpisodeSequence(ids, house_episode)
+        return EpisodeSequence(ids, lambda episode_id: probe(house_episode(episode_id), self.probe))
 
 
 def load(name: str, path: Path | None = None, *, split: Literal["test", "dev"] = "test", **filters: Any) -> EpisodeSequence:

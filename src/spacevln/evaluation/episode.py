@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.core import EpisodeSpec, InstructionTask, ObjectGoalTask, Pose
+from spacevln.core import Action, EpisodeSpec, InstructionTask, ObjectGoalTask, Pose
 
 Points = NDArray[np.float64]
 
@@ -34,6 +34,9 @@ class GroundTruth(Protocol):
 
     def reached(self, position: Points) -> bool:
         """Whether STOP at this position (3,) is a success."""
+
+    def follow(self, pose: Pose) -> Action:
+        """The primitive of a shortest-path follower at a pose in the scene frame; STOP at the goal."""
 
 
 @dataclass(frozen=True, slots=True)

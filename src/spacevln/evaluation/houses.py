@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.core import EpisodeSpec, InstructionTask, ObjectGoalTask, Pose, UsageError
+from spacevln.core import Action, EpisodeSpec, InstructionTask, ObjectGoalTask, Pose, Stop, UsageError
 from spacevln.environments.houses.episodes import (
     Grounds,
     HouseEpisode,
@@ -21,8 +21,10 @@ from spacevln.environments.houses.episodes import (
     object_goal_episode,
     reachable_categories,
 )
-from spacevln.environments.houses.geodesics import Field, Geodesics
+from spacevln.environments.houses.follower import ShortestPathFollower
+from spacevln.environments.houses.geodesics import Field
 from spacevln.environments.houses.house import build_house
+from spacevln.environments.houses.motion import Body
 from spacevln.evaluation.episode import Episode, Points
 from spacevln.evaluation.metrics import VLN_RADIUS_M, success
 
@@ -36,11 +38,12 @@ REFERENCE_STEP_M = 0.25
 class RouteTruth:
     """Truth of a route: STOP strictly within 3 m (geodesic) of the goal."""
 
-    def __init__(self, episode: HouseEpisode, geodesics: Geodesics) -> None:
+    def __init__(self, episode: HouseEpisode, grounds: Grounds) -> None:
         self.goals = np.array(episode.goals)
         self.shortest_path = np.array(episode.shortest_path)
         self.reference_path: Points | None = densify(self.shortest_path, REFERENCE_STEP_M)
-        self._field: Field = geodesics.distances_from(self.goals)
+        self._field: Field = grounds.geodesics.distances_from(self.goals)
+        self._follower = ShortestPathFollower(Body(grounds.walkable), self._field)
 
     def distances_m(self, positions: Points) -> NDArray[np.float64]:
         """Geodesic distances to the goal."""
@@ -49,6 +52,10 @@ class RouteTruth:
     def reached(self, position: Points) -> bool:
         """Whether STOP here is a success."""
         return success(True, self._field.at(*map(float, position)), VLN_RADIUS_M)
+
+    def follow(self, pose: Pose) -> Action:
+        """The shortest-path follower's primitive."""
+        return self._follower.action(pose)
 
 
 class ObjectGoalTruth:
@@ -59,6 +66,7 @@ class ObjectGoalTruth:
         self.goals = np.array([[item.x, item.y, item.z] for item in goal.instances])
         self.shortest_path: Points = goal.field.path(start.x_m, start.y_m, start.z_m)
         self.reference_path: Points | None = None
+        self._follower = ShortestPathFollower(Body(goal.grounds.walkable), goal.field, stop_m=0.0)
 
     def distances_m(self, positions: Points) -> NDArray[np.float64]:
         """Geodesic distances to the nearest place from which STOP succeeds."""
@@ -67,6 +75,10 @@ class ObjectGoalTruth:
     def reached(self, position: Points) -> bool:
         """Whether STOP here is a success."""
         return self._goal.is_reached(*map(float, position))
+
+    def follow(self, pose: Pose) -> Action:
+        """The shortest-path follower's primitive; STOP as soon as it would succeed."""
+        return Stop() if self.reached(pose.position_m) else self._follower.action(pose)
 
 
 def house_episode_id(suite: str, seed: int) -> str:
@@ -88,7 +100,7 @@ def house_episode(episode_id: str) -> Episode:
     split = split_of(grounds.house.seed)
     if suite == "houses-vln":
         found = first_route_episode(grounds.house, split)
-        return Episode(replace(found.spec, episode_id=episode_id), RouteTruth(found, grounds.geodesics), _tags(found))
+        return Episode(replace(found.spec, episode_id=episode_id), RouteTruth(found, grounds), _tags(found))
     found = _first_object_goal(grounds, split)
     truth = ObjectGoalTruth(ObjectGoal(grounds, found.category or ""), found.spec.start)
     return Episode(replace(found.spec, episode_id=episode_id), truth, _tags(found))
