@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from spacevln.cli.options import agent_options, configuration_from
+from spacevln.cli.options import Driver, agent_options, configuration_from
 
 if TYPE_CHECKING:
     from spacevln.recording import ResultFile
@@ -54,7 +54,7 @@ def bench(
     episodes: int | None,
     workers: int,
     level: str,
-    driver: Literal["agent", "random", "forward", "oracle"],
+    driver: Driver,
     probe: str,
     out: Path | None,
     **options: Any,

@@ -38,9 +38,10 @@ def agent_options(command: F) -> F:
     return command
 
 
-def configuration_from(
-    options: dict[str, Any], driver: Literal["agent", "random", "forward", "oracle"] = "agent"
-) -> Configuration:
+Driver = Literal["agent", "random", "forward", "oracle"]
+
+
+def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Configuration:
     """The configuration that these options say."""
     from spacevln.assembly import (
         ComponentSettings,
