@@ -111,8 +111,8 @@ class Stop:
     """Where to end.
 
     Args:
-        relation: ``here``, ``near``, ``front``, ``on``, ``between`` (things); ``doorway``, ``door`` (portals); ``inside``, ``in``,
-            ``outside``, ``end`` (spaces); ``top``, ``bottom`` (stairs).
+        relation: ``here``, ``near``, ``front``, ``on``, ``between`` (things); ``doorway``, ``door`` (portals);
+            ``inside``, ``in``, ``outside``, ``end`` (spaces); ``top``, ``bottom`` (stairs).
         thing, other: landmarks.
         space: type of a space.
         side: of a portal.

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from spacevln.core.geometry import wrap_angle
 from spacevln.environments.houses.episodes import making as make
 from spacevln.environments.houses.episodes.clauses import Clause, Cross
+from spacevln.environments.houses.episodes.crossing import cross
 from spacevln.environments.houses.episodes.endings import ending
 from spacevln.environments.houses.episodes.nouns import (
     FLAT,
@@ -19,84 +20,13 @@ from spacevln.environments.houses.episodes.nouns import (
     is_plural,
     room_type_of,
     salience,
-    thing_for,
     thing_words,
 )
-from spacevln.environments.houses.episodes.reading import SIDE_LOW, travel_yaw
+from spacevln.environments.houses.episodes.reading import SIDE_LOW
 from spacevln.environments.houses.episodes.routes import Route
-from spacevln.environments.houses.episodes.topology import Leg, Node, Passed, Topology, is_hallway
-from spacevln.environments.houses.plan import Item, Room
-
-CLEAR_TURN_RAD = math.radians(48)
-CLEAR_PASS_M = 1.7
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """One leg of a route with what its description needs."""
-
-    topology: Topology
-    route: Route
-    index: int
-    rng: np.random.Generator
-    detail: float
-
-    @property
-    def node(self) -> Node:
-        """Where the leg begins."""
-        return self.route.nodes[self.index]
-
-    @property
-    def leg(self) -> Leg:
-        """The leg."""
-        return self.route.legs[self.index]
-
-    @property
-    def room(self) -> Room:
-        """Its room."""
-        return self.topology.house.rooms[self.node.room]
-
-    @property
-    def next_room(self) -> Room | None:
-        """The room behind its portal."""
-        return None if self.leg.portal is None else self.topology.house.rooms[self.leg.portal.other(self.room.id)]
-
-    def chance(self, p: float) -> bool:
-        """A coin; details make it likelier."""
-        return bool(self.rng.random() < min(1.0, p * self.detail))
-
-    def pick(self, options: list[tuple[float, Callable[[], Clause]]]) -> Clause:
-        """One of some weighted clauses."""
-        weights = np.array([w for w, _ in options])
-        return options[int(self.rng.choice(len(options), p=weights / weights.sum()))][1]()
-
-    def landmarks(self) -> list[tuple[Passed, Item]]:
-        """Items that are clearly passed: near, seen, neither at the very start nor the end."""
-        z_m = self.topology.house.floors[self.room.floor].z_m
-        out = []
-        for passed in self.leg.passed:
-            item = self.topology.item[passed.item]
-            if (
-                passed.seen
-                and passed.inner
-                and passed.distance_m < CLEAR_PASS_M
-                and item.room == self.room.id
-                and is_landmark(item, z_m)
-            ):
-                out.append((passed, item))
-        return out
-
-    def thing(self, item: Item) -> make.Thing:
-        """A noun phrase for an item: mostly the bare noun."""
-        rare = min(0.8, 0.1 * self.detail * self.detail)
-        count = 0 if self.rng.random() > rare else (1 if self.rng.random() < 0.8 else 2)
-        same = sum(o.category == item.category and o.room == item.room for o in self.topology.house.items)
-        return thing_for(item, self.rng, count, crowded=same > 2)
-
-    def salient(self, items: list[Item]) -> Item:
-        """One of some items, the more striking the likelier."""
-        weights = np.array([salience(item) for item in items])
-        return items[int(self.rng.choice(len(items), p=weights / weights.sum()))]
+from spacevln.environments.houses.episodes.stretch import CLEAR_TURN_RAD, Stretch
+from spacevln.environments.houses.episodes.topology import Passed, Topology, is_hallway
+from spacevln.environments.houses.plan import Item
 
 
 def describe(topology: Topology, route: Route, rng: np.random.Generator, detail: float) -> tuple[Clause, ...] | None:
@@ -128,16 +58,16 @@ def crossing_stretch(stretch: Stretch, before: list[Clause]) -> list[Clause]:
     hidden = stretch.leg.portal is not None and stretch.leg.portal.kind == "opening"
     implied = 0.35 if hidden or (stretch.index == 0 and not is_hallway(stretch.room)) else 0.08
     merged = bool(stretch.index) and (not before or not any(isinstance(a, Cross) for a in before[-1].atoms))
-    if stretch.leg.portal is None or stretch.leg.portal.kind != "stairs":
-        if not merged and stretch.rng.random() < implied / stretch.detail:
-            return approach(stretch)[-1:] if stretch.chance(0.3) else []
+    level = stretch.leg.portal is None or stretch.leg.portal.kind != "stairs"
+    if level and not merged and stretch.rng.random() < implied / stretch.detail:
+        return approach(stretch)[-1:] if stretch.chance(0.3) else []
     crossing = cross(stretch)
-    return approach(stretch, bool(crossing.codes[0] in ("T3", "T5"))) + [crossing]
+    return [*approach(stretch, turn_said=crossing.codes[0] in ("T3", "T5")), crossing]
 
 
 def approach(stretch: Stretch, turn_said: bool = False) -> list[Clause]:
     """Turns, landmarks and spaces on the way through one room, before its end is said."""
-    leg, rng = stretch.leg, stretch.rng
+    leg = stretch.leg
     timed: list[tuple[float, Clause]] = []
     first = entry_turn(stretch)
     if first is not None:
@@ -158,7 +88,6 @@ def approach(stretch: Stretch, turn_said: bool = False) -> list[Clause]:
     ):
         timed.append((leg.length_m, turn_clause(stretch, leg.exit_turn_rad, leg.length_m)))
     order = sorted(range(len(timed)), key=lambda k: (timed[k][0], k))
-    del rng
     return [timed[k][1] for k in order]
 
 
@@ -210,7 +139,7 @@ def turn_clause(stretch: Stretch, angle: float, s: float) -> Clause:
 
 
 def orientation(stretch: Stretch) -> Clause | None:
-    """ "With the bed behind you": something large seen from the start, relative to the first metre of the way."""
+    """Which way to face, "with the bed behind you": something large seen from the start, relative to the first steps."""
     walk = float(stretch.leg.yaws[0])
     x, y = stretch.node.xy
     z_m = stretch.topology.house.floors[stretch.room.floor].z_m
@@ -281,69 +210,6 @@ def pass_clause(stretch: Stretch, passed: Passed, item: Item) -> Clause:
         if passed.distance_m < 0.9 and max(item.size[:2]) > 0.8 and item.solid:
             options += [(0.14, lambda: make.around_thing(thing)), (0.14, lambda: make.along_thing(thing))]
     return stretch.pick(options)
-
-
-def cross(stretch: Stretch) -> Clause:
-    """Walking through the portal at the end of a leg, in one of the ways in which people say it."""
-    leg, rng = stretch.leg, stretch.rng
-    portal, there = leg.portal, stretch.next_room
-    if portal is None or there is None:
-        raise ValueError("a stretch without a portal has no crossing")
-    if portal.kind == "stairs":
-        return make.stairs(1 if portal.rooms[0] == stretch.room.id else -1, rng)
-    here = stretch.room
-    leaving = stretch.index == 0 or not is_hallway(here)
-    options: list[tuple[float, Callable[[], Clause]]] = [
-        (0.6 if not is_hallway(there) else 0.2, lambda: make.enter(there, rng)),
-        (0.3, lambda: make.through_door(portal, rng, stretch.chance(0.25))),
-        (0.16, lambda: make.go_to_space(there, rng)),
-    ]
-    if leaving and not is_hallway(here):
-        weight = 1.1 if stretch.index == 0 else 0.2
-        options += [
-            (weight, lambda: make.leave(here, rng)),
-            (weight * 0.16, lambda: make.leave_through(here, portal, rng)),
-            (weight * 0.1, lambda: make.leave_into(here, there, rng)),
-        ]
-    if abs(leg.first_turn_rad) < math.radians(30) and abs(leg.exit_turn_rad) < math.radians(35):
-        options.append((0.25, lambda: make.straight_through(portal, rng)))
-        options.append((0.15, lambda: make.straight_into(there, rng)))
-    turned = leg.exit_turn_rad if leg.length_m > 1.1 else leg.first_turn_rad
-    if CLEAR_TURN_RAD < abs(turned) < math.radians(140):
-        options.append((0.12, lambda: make.turn_into(turned, there, rng)))
-    options += sided(stretch, turned)
-    return stretch.pick(options)
-
-
-def sided(stretch: Stretch, turned: float) -> list[tuple[float, Callable[[], Clause]]]:
-    """Crossings that name a side or an ordinal."""
-    leg, rng = stretch.leg, stretch.rng
-    portal, there = leg.portal, stretch.next_room
-    if portal is None or there is None:
-        return []
-    options: list[tuple[float, Callable[[], Clause]]] = []
-    travel = travel_yaw(leg, stretch.node)
-    counted = stretch.topology.ordinals(stretch.node, portal, travel)
-    said = abs(stretch.leg.first_turn_rad) > CLEAR_TURN_RAD
-    bearing = math.atan2(portal.centre[1] - stretch.node.xy[1], portal.centre[0] - stretch.node.xy[0]) - stretch.node.yaw_rad
-    bearing = wrap_angle(bearing)
-    side = 0
-    if abs(turned) > CLEAR_TURN_RAD and leg.length_m > 1.1:
-        side = 1 if turned > 0 else -1
-    if stretch.index and not said and math.radians(30) < abs(bearing) < math.radians(110) and (not side or side * bearing > 0):
-        side = 1 if bearing > 0 else -1
-    if side and stretch.index:
-        options += [(0.3, lambda: make.door_on_side(portal, side, rng)), (0.25, lambda: make.room_on_side(there, side, rng))]
-    if counted is not None and is_hallway(stretch.room) and leg.length_m > 1.1:
-        sign, ordinal = counted
-        if ordinal <= 3:
-            options += [
-                (0.4, lambda: make.ordinal_door(portal, sign, ordinal, rng)),
-                (0.2, lambda: make.ordinal_turn(sign, ordinal)),
-            ]
-    if not is_hallway(there) and stretch.index and there.type != "balcony":
-        options.append((0.12, lambda: make.next_room()))
-    return options
 
 
 def joined(clauses: list[Clause], rng: np.random.Generator) -> tuple[Clause, ...]:

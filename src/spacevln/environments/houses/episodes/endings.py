@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from spacevln.environments.houses.episodes import making as make
 from spacevln.environments.houses.episodes.clauses import Clause, Cross, Stop, Thing
 from spacevln.environments.houses.episodes.nouns import SIDE_WORDS, definite, portal_words, room_words, thing_words
 from spacevln.environments.houses.episodes.stops import in_front
+from spacevln.environments.houses.episodes.stretch import Stretch
 from spacevln.environments.houses.episodes.topology import Portal, is_hallway
-
-if TYPE_CHECKING:
-    from spacevln.environments.houses.episodes.compose import Stretch
 
 Ending = tuple[Clause, ...]
 Options = list[tuple[float, Callable[[], Ending]]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,7 +23,8 @@ class EpisodeTags:
 
     Args:
         split: whose phrases it uses.
-        length_bin: ``"4-7"``, ``"7-10"``, ``"10-14"`` or ``"14-21"`` metres of geodesic distance (``"0-4"``, ``"21+"`` for object goals).
+        length_bin: ``"4-7"``, ``"7-10"``, ``"10-14"`` or ``"14-21"`` metres of geodesic distance;
+            object goals also ``"0-4"`` and ``"21+"``.
         floors: number of storeys that the shortest path visits.
         height_m: height of the goal over the start.
         doors: doorways and openings on the shortest path.
@@ -57,7 +59,8 @@ class HouseEpisode:
 
     Args:
         spec: what an environment resets to.
-        goals: positions, of which one must be reached: one for a route, one per instance (nearest success place) for an object goal.
+        goals: positions, of which one must be reached: one for a route, one per instance (its success place
+            nearest to the path's end) for an object goal.
         reference_path: 4 to 7 nodes from start to goal, about 2 m apart, as in R2R.
         shortest_path: dense polyline.
         geodesic_m: length of the shortest path to the nearest goal.
@@ -92,7 +95,7 @@ def rounded(x: float, y: float, z: float) -> Point:
 def resample(path: tuple[Point, ...], nodes: int) -> tuple[Point, ...]:
     """``nodes`` points at equal arc lengths along a polyline, both ends included."""
     arc = [0.0]
-    for a, b in zip(path, path[1:], strict=False):
+    for a, b in itertools.pairwise(path):
         arc.append(arc[-1] + sum((q - p) ** 2 for p, q in zip(a, b, strict=True)) ** 0.5)
     out: list[Point] = []
     k = 0

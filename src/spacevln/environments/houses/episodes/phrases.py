@@ -1,7 +1,8 @@
 """How clauses are worded. Two tables with the same forms and no phrase in common: one to tune on, one to test on.
 
 Phrases start with a verb in the imperative, so that they can be joined by "and", "then" or a full stop; ``once:`` and ``until:``
-forms are finite clauses without their conjunction. Slots: side, lm, a_lm, lm2, space, space_bare, space2, door, a_door, ord, stairs.
+forms are finite clauses without their conjunction; ``:same`` forms name a room that was just named.
+Slots: side, lm, a_lm, lm2, space, space_bare, space2, door, a_door, ord, stairs.
 """
 
 from __future__ import annotations
@@ -14,8 +15,9 @@ Table = MappingProxyType[str, tuple[str, ...]]
 
 
 def _table(text: str) -> Table:
-    """``form: phrase / phrase`` per line."""
-    rows = (line.split("=", 1) for line in text.strip().splitlines())
+    """``form = phrase / phrase`` per line; an indented line continues the one before."""
+    lines = text.strip().replace("\n  ", " ").splitlines()
+    rows = (line.split("=", 1) for line in lines)
     return MappingProxyType({form.strip(): tuple(p.strip() for p in phrases.split("/")) for form, phrases in rows})
 
 
@@ -58,7 +60,8 @@ enter = enter {space} / walk into {space} / go into {space} / continue into {spa
 through_door = walk through {door} / go through {door} / step through {door}
 door_side = go through {door} on the {side} / walk through {door} on your {side} / enter {door} to the {side}
 room_side = enter {space} on the {side} / walk into {space} on your {side} / go into {space} to the {side}
-ordinal_door = enter the {ord} {door} on the {side} / go through the {ord} {door} on your {side} / walk to and through the {ord} {door} on the {side}
+ordinal_door = enter the {ord} {door} on the {side} / go through the {ord} {door} on your {side} /
+  walk to and through the {ord} {door} on the {side}
 ordinal_turn = take the {ord} {side} / take your {ord} {side}
 next_room = walk into the next room / enter the next room / go into the next room
 stairs_up = go up the {stairs} / walk up the {stairs} / climb the {stairs}
@@ -142,12 +145,14 @@ enter = head into {space} / step into {space} / continue on into {space} / walk 
 through_door = head through {door} / continue through {door} / pass through {door} / use {door}
 door_side = head through {door} on the {side} / take {door} on your {side} / go in {door} to your {side}
 room_side = head into {space} on the {side} / go in {space} on your {side} / step into {space} on the {side}
-ordinal_door = take the {ord} {door} on your {side} / head through the {ord} {door} on the {side} / go in the {ord} {door} to the {side}
+ordinal_door = take the {ord} {door} on your {side} / head through the {ord} {door} on the {side} /
+  go in the {ord} {door} to the {side}
 ordinal_turn = make the {ord} {side} / turn at the {ord} {side}
 next_room = continue into the next room / head into the next room / go on to the next room
 stairs_up = head up the {stairs} / take the {stairs} up / go upstairs using the {stairs} / continue up the {stairs}
 stairs_down = head down the {stairs} / take the {stairs} down / go downstairs using the {stairs} / continue down the {stairs}
-stop_near = stop beside {lm} / wait beside {lm} / stop close to {lm} / stand next to {lm} / stop right beside {lm} / wait just next to {lm}
+stop_near = stop beside {lm} / wait beside {lm} / stop close to {lm} /
+  stand next to {lm} / stop right beside {lm} / wait just next to {lm}
 stop_at = stop right at {lm} / stop and wait at {lm}
 stop_front = stop right in front of {lm} / stop facing {lm} / stop and wait in front of {lm} / wait just in front of {lm}
 stop_near_both = stop beside {lm} near {lm2} / wait by {lm} next to {lm2}

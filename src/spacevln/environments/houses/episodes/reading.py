@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacevln.core.geometry import wrap_angle
+from spacevln.environments.houses.episodes.bends import STEP_M
 from spacevln.environments.houses.episodes.clauses import ANY_ROOM, Along, Atom, Between, Pass, See, Straight, Thing, Toward, Turn
-from spacevln.environments.houses.episodes.space import surface_distance
-from spacevln.environments.houses.episodes.topology import PASS_M, SEE_M, STEP_M, Leg, Node, Topology
+from spacevln.environments.houses.episodes.item_geometry import surface_distance
+from spacevln.environments.houses.episodes.topology import PASS_M, SEE_M, Leg, Node, Topology
 from spacevln.environments.houses.plan import Item
 
 SIDE_LOW, SIDE_HIGH = math.radians(20), math.radians(165)
@@ -155,7 +156,7 @@ class Reader:
             for passed in leg.passed:
                 at = offset + passed.s_m
                 item = self.topology.item[passed.item]
-                if at < s - SLACK_M or not passed.seen or not pas.thing.matches(item):
+                if at < s - SLACK_M or not passed.seen or not passed.reached or not pas.thing.matches(item):
                     continue
                 if pas.side and passed.side == -pas.side:
                     continue

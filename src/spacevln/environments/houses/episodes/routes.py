@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 
 from spacevln.environments.houses.episodes.nouns import FLAT, category_of, is_landmark, salience
-from spacevln.environments.houses.episodes.space import Float
+from spacevln.environments.houses.episodes.space import XY, Float
 from spacevln.environments.houses.episodes.stops import ring
-from spacevln.environments.houses.episodes.topology import XY, Leg, Node, Portal, Topology, is_hallway
+from spacevln.environments.houses.episodes.topology import Leg, Node, Portal, Topology, is_hallway
 from spacevln.environments.houses.plan import Item
 
 EndKind = Literal["item", "entry", "doorway", "before", "landing", "stairs", "end", "room"]
@@ -103,7 +103,7 @@ def _item_end(topology: Topology, room: int, rng: np.random.Generator) -> End | 
 def sample_start(
     topology: Topology, field: Float, goal_floor: int, target_m: float, rng: np.random.Generator
 ) -> tuple[XY, int] | None:
-    """A walkable point about ``target_m`` from the goal, in a random room; on another storey if that exists, nine times in ten."""
+    """A walkable point about ``target_m`` from the goal in a random room; mostly on another storey if there is one."""
     house = topology.house
     good = topology.space.walkable & (np.abs(field - target_m) < 0.6) & (topology.space.room >= 0)
     if len(house.floors) > 1 and rng.random() < 0.9:
@@ -155,7 +155,7 @@ def _dense(path: Float, step_m: float = 0.05) -> Float:
 
 
 def make_route(topology: Topology, start: XY, room: int, yaw_rad: float, end: End, path: Float, length_m: float) -> Route | None:
-    """The route along a shortest path, or None when its rooms cannot be told apart or an odd detour would have to be described."""
+    """The route along a shortest path, or None when its rooms cannot be told apart or it takes an odd detour."""
     # a route that ends in a doorway is described up to the first step behind it
     beyond = path if end.kind != "doorway" else np.vstack([path, [*_inner(topology, end), path[-1, 2]]])
     portals = portals_along(topology, beyond)

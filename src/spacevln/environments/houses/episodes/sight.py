@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from spacevln.environments.houses.episodes.space import EYE_M, Bool, Float, item_local, nearest_surface_point
+from spacevln.environments.houses.episodes.item_geometry import item_local, nearest_surface_point
+from spacevln.environments.houses.episodes.space import EYE_M, Bool, Float
 from spacevln.environments.houses.layout import walls
 from spacevln.environments.houses.plan import House, Item, Part
 
@@ -50,7 +51,7 @@ class Sight:
         return free
 
     def reached(self, points: Float, item: Item, radius_m: float) -> Bool:
-        """For each point (N, 3; z at the feet): whether a surface point of an item lies within a horizontal radius in clear sight."""
+        """For each point (N, 3; z at the feet): whether some surface of an item is within a horizontal radius in clear sight."""
         eyes = points + np.array([0.0, 0.0, EYE_M])
         near = nearest_surface_point(item, points[:, :2])
         done = np.zeros(len(points), dtype=np.bool_)

@@ -12,9 +12,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from spacevln.environments.houses.episodes.item_geometry import surface_distance
 from spacevln.environments.houses.plan import Item, Opening, Rect
 from spacevln.environments.houses.walkable import RESOLUTION_M, Walkable
 
@@ -35,66 +36,6 @@ def opening_rect(opening: Opening, wall_m: float) -> Rect:
     if opening.along == "x":
         return Rect(opening.x - half, opening.y - deep, opening.x + half, opening.y + deep)
     return Rect(opening.x - deep, opening.y - half, opening.x + deep, opening.y + half)
-
-
-def item_local(item: Item, xy: Float) -> Float:
-    """Points (N, 2) in the item's frame (width along x, depth along y)."""
-    c, s = math.cos(item.yaw_rad), math.sin(item.yaw_rad)
-    d = xy - np.array([item.x, item.y])
-    return np.stack([c * d[:, 0] + s * d[:, 1], -s * d[:, 0] + c * d[:, 1]], axis=1)
-
-
-def surface_distance(item: Item, xy: Float) -> Float:
-    """Horizontal distance of points (N, 2) to the item's footprint (N,), 0 inside."""
-    local = np.abs(item_local(item, xy)) - np.array([item.size[0] / 2, item.size[1] / 2])
-    return np.hypot(np.maximum(local[:, 0], 0.0), np.maximum(local[:, 1], 0.0))
-
-
-def nearest_surface_point(item: Item, xy: Float) -> Float:
-    """The footprint's points (N, 2) nearest to given points (N, 2)."""
-    half = np.array([item.size[0] / 2, item.size[1] / 2])
-    local = np.clip(item_local(item, xy), -half, half)
-    c, s = math.cos(item.yaw_rad), math.sin(item.yaw_rad)
-    return np.stack([item.x + c * local[:, 0] - s * local[:, 1], item.y + s * local[:, 0] + c * local[:, 1]], axis=1)
-
-
-class Footprints:
-    """The footprints of some items as arrays, for distances to many of them at once.
-
-    Args:
-        items: of one storey.
-    """
-
-    def __init__(self, items: tuple[Item, ...]) -> None:
-        self.items = items
-        self.centre = np.array([[i.x, i.y] for i in items]).reshape(-1, 1, 2)
-        self.half = np.array([[i.size[0] / 2, i.size[1] / 2] for i in items]).reshape(-1, 1, 2)
-        self._c = np.array([math.cos(i.yaw_rad) for i in items]).reshape(-1, 1)
-        self._s = np.array([math.sin(i.yaw_rad) for i in items]).reshape(-1, 1)
-
-    def near(self, points: Float, within_m: float) -> NDArray[np.int64]:
-        """Indices of the footprints that may lie within a distance of some of the points (N, 2)."""
-        low, high = points.min(axis=0) - within_m, points.max(axis=0) + within_m
-        reach = np.hypot(self.half[..., 0], self.half[..., 1])
-        inside = np.all((self.centre[:, 0] + reach >= low) & (self.centre[:, 0] - reach <= high), axis=1)
-        return np.flatnonzero(inside)
-
-    def nearest(self, index: NDArray[np.int64], points: Float) -> tuple[Float, Float]:
-        """Distances of points to footprints, 0 inside, and the nearest points of these.
-
-        Args:
-            index: (I,) footprints.
-            points: (N, 2) for all of them, or (I, N, 2).
-
-        Returns:
-            (I, N) and (I, N, 2).
-        """
-        c, s, centre, half = self._c[index], self._s[index], self.centre[index], self.half[index]
-        dx, dy = points[..., 0] - centre[..., 0], points[..., 1] - centre[..., 1]
-        u, v = c * dx + s * dy, c * dy - s * dx
-        x, y = (np.minimum(np.maximum(w, -half[..., i]), half[..., i]) for i, w in ((0, u), (1, v)))
-        spot = np.stack([c * x - s * y + centre[..., 0], s * x + c * y + centre[..., 1]], axis=-1)
-        return np.hypot(u - x, v - y), spot
 
 
 class Space:
@@ -185,7 +126,7 @@ class Space:
         return np.asarray(mask & self.walkable[floor], dtype=np.bool_)
 
     @lru_cache(maxsize=64)  # noqa: B019 - lives as long as the house's space
-    def graph(self, room: int, floor: int) -> tuple[NDArray[np.int64], NDArray[np.int64], csr_matrix]:
+    def graph(self, room: int, floor: int) -> tuple[NDArray[np.int64], NDArray[np.int64], csr_array[np.float64, tuple[int, int]]]:
         """Cells (N, 2), their index image, and the 8-connected graph of a room, or of a whole floor (``room`` = -1)."""
         mask = self.walkable[floor] if room < 0 else self.room_mask(room)
         cells = np.argwhere(mask)
@@ -199,7 +140,7 @@ class Space:
             rows.append(a[both])
             cols.append(b[both])
             costs.append(np.full(int(both.sum()), math.hypot(di, dj) * CELL_M))
-        graph = csr_matrix((np.concatenate(costs), (np.concatenate(rows), np.concatenate(cols))), shape=(len(cells), len(cells)))
+        graph = csr_array((np.concatenate(costs), (np.concatenate(rows), np.concatenate(cols))), shape=(len(cells), len(cells)))
         return cells, index, graph
 
     def snap(self, xy: XY, room: int, floor: int, within_m: float = 0.6) -> int:
@@ -243,8 +184,8 @@ class Space:
     @lru_cache(maxsize=256)  # noqa: B019
     def _parents(self, room: int, floor: int, goal: int) -> NDArray[np.int32]:
         _, _, graph = self.graph(room, floor)
-        _, parents = dijkstra(graph, directed=False, indices=np.int64(goal), return_predecessors=True)
-        return np.asarray(parents, dtype=np.int32)
+        _, parents = dijkstra(graph, directed=False, indices=np.array([goal]), return_predecessors=True)
+        return np.asarray(parents[0], dtype=np.int32)
 
     def pulled(self, points: Float, walkable: Bool) -> Float:
         """The polyline without the corners that a straight walk can skip."""
@@ -289,10 +230,8 @@ class Space:
             source = self.snap(point, -1, level)
             if source < 0:
                 continue
-            dist, parents[level] = dijkstra(
-                graph, directed=False, indices=np.int64(source), limit=limit_m, return_predecessors=True
-            )
-            dist += offset
+            found, onward = dijkstra(graph, directed=False, indices=np.array([source]), limit=limit_m, return_predecessors=True)
+            dist, parents[level] = found[0] + offset, onward[0]
             out[level][cells[:, 0], cells[:, 1]] = dist
             for near, far, far_floor, length in self.stair_ends(level):
                 node = self.snap(near, -1, level)

@@ -7,10 +7,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from spacevln.environments.houses.episodes.bends import STEP_M
 from spacevln.environments.houses.episodes.clauses import Along, Atom, Cross, Pass, Stop, Thing, Toward, Turn
+from spacevln.environments.houses.episodes.item_geometry import surface_distance
 from spacevln.environments.houses.episodes.reading import Reader, Trail, ordinal_fits
-from spacevln.environments.houses.episodes.space import Space, surface_distance
-from spacevln.environments.houses.episodes.topology import STEP_M, XY, Leg, Node, Portal, Topology
+from spacevln.environments.houses.episodes.space import XY, Space
+from spacevln.environments.houses.episodes.topology import Leg, Node, Portal, Topology
 from spacevln.environments.houses.plan import Item
 
 Place = tuple[float, float, int]

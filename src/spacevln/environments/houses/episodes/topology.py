@@ -12,26 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacevln.core.geometry import wrap_angle
-from spacevln.environments.houses.episodes.space import (
-    XY,
-    Bool,
-    Float,
-    Footprints,
-    Ints,
-    Space,
-    nearest_surface_point,
-    stairs_ends,
-)
+from spacevln.environments.houses.episodes.bends import STEP_M, directions, resampled, turns_of
+from spacevln.environments.houses.episodes.item_geometry import Footprints, nearest_surface_point
+from spacevln.environments.houses.episodes.space import XY, Bool, Float, Ints, Space, stairs_ends
 from spacevln.environments.houses.episodes.unnamed import NEVER_LANDMARKS
 from spacevln.environments.houses.plan import House, Item, Room
 from spacevln.environments.houses.walkable import Walkable
 
-STEP_M = 0.2
-TURN_RAD = math.radians(40)
 PASS_M = 2.4
 SEE_M = 7.0
 _INSIDE_M = 0.45
-_CHORD_M = 1.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +75,17 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Passed:
-    """An item seen beside a leg: arc position of the nearest point, distance, side (+1 left, -1 right, 0 ahead), seen at all."""
+    """An item beside a leg.
+
+    Args:
+        item: its id.
+        s_m: arc position of the nearest point.
+        distance_m: from there to its surface.
+        side: +1 left, -1 right, 0 neither clearly.
+        seen: whether it is in line of sight shortly before or there.
+        inner: the nearest point is neither at the very start nor the end.
+        reached: the leg does not end clearly before it.
+    """
 
     item: int
     s_m: float
@@ -93,6 +93,7 @@ class Passed:
     side: int
     seen: bool
     inner: bool
+    reached: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,8 +207,8 @@ class Topology:
 
     def _leg(self, node: Node, path: Float, portal: Portal | None) -> Leg:
         points, length = resampled(path)
-        yaws = _directions(points)
-        turns = _turns(points, length, node.yaw_rad, None if portal is None else portal.out_yaw(node.room))
+        yaws = directions(points)
+        turns = turns_of(points, length, node.yaw_rad, None if portal is None else portal.out_yaw(node.room))
         floor = self.house.rooms[node.room].floor
         passed = self._passed(points, yaws, floor)
         return Leg(node.room, points, yaws, turns, passed, length, portal)
@@ -232,7 +233,8 @@ class Topology:
             across = -math.sin(yaws[k]) * dx + math.cos(yaws[k]) * dy
             side = 0 if abs(across) < 0.3 or abs(ahead) > 1.5 * abs(across) + 0.3 else int(math.copysign(1, across))
             inner = bool(0 < k < len(points) - 1 and k * STEP_M > 0.3)
-            out.append(Passed(item.id, float(k * STEP_M), float(distance[row, k]), side, bool(seen[row]), inner))
+            reached = bool(k < len(points) - 1 or ahead < 0.9)
+            out.append(Passed(item.id, float(k * STEP_M), float(distance[row, k]), side, bool(seen[row]), inner, reached))
         return tuple(sorted(out, key=lambda p: (p.s_m, p.item)))
 
     def _seen_each(self, index: Ints, closest: Ints, points: Float, floor: int) -> Bool:
@@ -286,51 +288,3 @@ class Topology:
 def _mentionable(house: House, floor: int) -> tuple[Item, ...]:
     """The items of a storey that some instruction may name."""
     return tuple(i for i in house.items if i.floor == floor and i.category not in NEVER_LANDMARKS)
-
-
-def resampled(path: Float, step_m: float = STEP_M) -> tuple[Float, float]:
-    """A polyline at equal steps, and its length; a path shorter than a step keeps its two ends."""
-    seg = np.hypot(*np.diff(path, axis=0).T)
-    arc = np.concatenate([[0.0], np.cumsum(seg)])
-    length = float(arc[-1])
-    s = np.append(np.arange(0.0, max(length - 0.05, 1e-9), step_m), length)
-    return np.stack([np.interp(s, arc, path[:, 0]), np.interp(s, arc, path[:, 1])], axis=1), length
-
-
-def _directions(points: Float, half: int = 2) -> Float:
-    n = len(points)
-    lo, hi = np.maximum(np.arange(n) - half, 0), np.minimum(np.arange(n) + half, n - 1)
-    d = points[hi] - points[lo]
-    return np.asarray(np.arctan2(d[:, 1], d[:, 0]))
-
-
-def _chord(points: Float, a: int, b: int) -> float | None:
-    d = points[b] - points[a]
-    return math.atan2(d[1], d[0]) if math.hypot(d[0], d[1]) > 0.3 else None
-
-
-def _turns(points: Float, length: float, in_yaw: float, out_yaw: float | None) -> tuple[tuple[float, float], ...]:
-    """Bends of a leg; a short leg has only its net turn, so that a step aside is no turn."""
-    n, chord = len(points), round(_CHORD_M / STEP_M)
-    first, last = _chord(points, 0, min(chord, n - 1)), _chord(points, max(0, n - 1 - chord), n - 1)
-    if length < 1.1 or first is None or last is None:
-        end = out_yaw if out_yaw is not None else (first if first is not None else in_yaw)
-        return ((0.0, wrap_angle(end - in_yaw)),)
-    turns = [(0.0, wrap_angle(first - in_yaw))]
-    k = chord
-    while k < n - chord:
-        angle = _bend(points, k, chord)
-        if abs(angle) >= TURN_RAD:
-            best = max(range(k, min(k + chord, n - chord)), key=lambda i: abs(_bend(points, i, chord)))
-            turns.append((best * STEP_M, _bend(points, best, chord)))
-            k = best + chord
-        else:
-            k += 1
-    if out_yaw is not None:
-        turns.append((length, wrap_angle(out_yaw - last)))
-    return tuple(turns)
-
-
-def _bend(points: Float, k: int, chord: int) -> float:
-    before, after = _chord(points, k - chord, k), _chord(points, k, k + chord)
-    return 0.0 if before is None or after is None else wrap_angle(after - before)
