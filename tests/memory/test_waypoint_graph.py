@@ -66,10 +66,11 @@ def test_a_later_waypoint_splits_the_edge_it_stands_on() -> None:
 
 def test_chain_edges_join_floors_and_keep_the_shorter_way() -> None:
     graph = WaypointGraph()
+    way = np.array([[0.0, 0.0], [3.0, 4.0]])
     down, up = waypoint(0, 0, 0), waypoint(1, 3, 4, floor=1)
-    graph.connect_chain(down, up, 9.0)
-    graph.connect_chain(up, down, 8.0)
-    graph.connect_chain(up, down, 1.0)
+    graph.connect_chain(down, up, way, 9.0)
+    graph.connect_chain(up, down, way, 8.0)
+    graph.connect_chain(up, down, way, 1.0)
     (edge,) = graph.edges
     assert edge.kind is EdgeKind.CHAIN
     assert edge.floor_transition

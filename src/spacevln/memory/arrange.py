@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from spacevln.memory.hierarchical import HierarchicalSpatialMemory
 
 OVERLAP_M = 1.0  # waypoints of one region this near are shown as one [authors' code]
+HERE_M = 0.5  # nearer than this one stands at a waypoint
+DETOUR = 1.3  # a way over the graph may be this much longer than the map's
 _SECTORS = 12
 
 
@@ -41,7 +43,7 @@ def arrange(memory: HierarchicalSpatialMemory, pose: Pose, metric_map: MemoryMap
                 merged=tuple(group[:-1]),
                 bearing_rad=pose.bearing_rad(newest.pose.x_m, newest.pose.y_m),
                 geodesic_m=way_m if math.isfinite(way_m) else along_graph.get(newest.index, math.inf),
-                path=_path(newest.index, along_graph, previous),
+                path=_path(newest.index, on_map, along_graph, previous),
                 marks=_marks(group, len(waypoints)),
                 visits=len(group),
             )
@@ -69,12 +71,18 @@ def _entrances(pose: Pose, waypoints: Sequence[SpatialWaypoint], on_map: Float, 
     return {last.index: pose.distance_m(last.pose.x_m, last.pose.y_m)}
 
 
-def _path(index: int, reached: dict[int, float], previous: dict[int, int]) -> tuple[int, ...]:
+def _path(index: int, on_map: Float, reached: dict[int, float], previous: dict[int, int]) -> tuple[int, ...]:
+    """The way over the graph, without the waypoint one stands at; the target alone where the map knows a much shorter way."""
+    way_m = float(on_map[index])
     if index not in reached:
-        return ()
+        return (index,) if math.isfinite(way_m) else ()
+    if reached[index] > DETOUR * way_m + REACH_M / 2:
+        return (index,)
     path = [index]
     while path[-1] in previous:
         path.append(previous[path[-1]])
+    if len(path) > 1 and on_map[path[-1]] < HERE_M:
+        path.pop()
     return tuple(reversed(path))
 
 

@@ -50,6 +50,7 @@ class WaypointGraph:
     def __init__(self) -> None:
         self._edges: dict[tuple[int, int, EdgeKind], Edge] = {}
         self._paths: dict[tuple[int, int], Float] = {}  # of E_map edges
+        self._legs: dict[tuple[int, int], Float] = {}  # of E_chain edges on one floor
         self._adjacent: dict[int, dict[int, float]] = {}
 
     @property
@@ -61,9 +62,20 @@ class WaypointGraph:
         """Adjacent waypoints and the length of the shortest edge to each."""
         return dict(sorted(self._adjacent.get(index, {}).items()))
 
-    def connect_chain(self, a: SpatialWaypoint, b: SpatialWaypoint, length_m: float) -> None:
-        """Adj(P): join two consecutive waypoints of the chain; the shortest way walked between them counts."""
+    def connect_chain(self, a: SpatialWaypoint, b: SpatialWaypoint, path: Float, length_m: float) -> None:
+        """Adj(P): join two consecutive waypoints of the chain; the shortest way between them counts.
+
+        Args:
+            a, b: consecutive.
+            path: (N, 2) points of the way [m].
+            length_m: of that way.
+        """
         self._put(a, b, EdgeKind.CHAIN, length_m)
+        self._legs[_key(a.index, b.index)] = path
+
+    def path_of(self, edge: Edge) -> Float:
+        """The known way along an edge, (N, 2) points [m]; from either end."""
+        return (self._paths if edge.kind is EdgeKind.MAP else self._legs)[edge.a, edge.b]
 
     def connect_map(self, new: SpatialWaypoint, others: Sequence[SpatialWaypoint], metric_map: MemoryMap) -> None:
         """Reach: join ``new`` with the waypoints of its floor that are locally reachable.

@@ -13,8 +13,9 @@ import numpy as np
 from spacevln.core import Anchor, CueKind, EgocentricMemory, LandmarkCue, Pose, Sighting, SpatialWaypoint
 from spacevln.language import cue_kind, parse_region
 from spacevln.memory.arrange import arrange
-from spacevln.memory.graph import REACH_M, Edge, WaypointGraph
+from spacevln.memory.graph import Edge, WaypointGraph
 from spacevln.memory.metric import MemoryMap
+from spacevln.memory.region_raster import region_raster
 from spacevln.memory.regions import Region, Regions
 from spacevln.memory.rendering import render_map
 from spacevln.memory.serialize import serialize
@@ -38,6 +39,8 @@ class HierarchicalSpatialMemory:
         self.regions = Regions()
         self.thresholds = Thresholds()
         self._waypoints: list[SpatialWaypoint] = []
+        self._adjacent: set[frozenset[str]] = set()
+        self._adjacent_at = 0  # version of the regions that it was found for
         self._walked_until = 0  # length of the map's trajectory when the last waypoint was added
 
     @property
@@ -96,14 +99,23 @@ class HierarchicalSpatialMemory:
         return self.regions.at(pose.xy_m, floor, self._waypoints)
 
     def region_neighbours(self, region: Region) -> tuple[Region, ...]:
-        """Regions joined to this one by a local edge or stairs; a long leg of the chain may cross others."""
-        members = set(region.waypoints)
-        labels = {
-            self.regions.of(edge.b if edge.a in members else edge.a).label
-            for edge in self.graph.edges
-            if (edge.a in members) != (edge.b in members) and (edge.length_m <= REACH_M or edge.floor_transition)
-        }
-        return tuple(other for other in self.regions.all if other.label in labels)
+        """Regions that an edge leads to without crossing a third one, stairs included."""
+        if self._adjacent_at != self.regions.version:
+            self._adjacent, self._adjacent_at = self._adjacent_regions(), self.regions.version
+        return tuple(other for other in self.regions.all if frozenset((region.label, other.label)) in self._adjacent)
+
+    def _adjacent_regions(self) -> set[frozenset[str]]:
+        owners = {floor: region_raster(self, floor) for floor in self.floors}
+        order = {region.label: index for index, region in enumerate(self.regions.all)}
+        pairs = set()
+        for edge in self.graph.edges:
+            a, b = self.regions.of(edge.a), self.regions.of(edge.b)
+            owner = owners[a.floor]
+            if a is b or owner is None:
+                continue
+            if edge.floor_transition or owner.crossed(self.graph.path_of(edge)) <= {order[a.label], order[b.label]}:
+                pairs.add(frozenset((a.label, b.label)))
+        return pairs
 
     def egocentric(self, pose: Pose, metric_map: MemoryMap) -> EgocentricMemory:
         """Psi_k = Serialize(Arrange_G(w_k; w_0, w_{k-1}), P_k, mu_k), around the live pose."""
@@ -124,13 +136,12 @@ class HierarchicalSpatialMemory:
 
     def _connect_chain(self, before: SpatialWaypoint, waypoint: SpatialWaypoint, metric_map: MemoryMap) -> None:
         """The known way between two consecutive waypoints: on the map, or, where that does not join them, as walked."""
-        length_m = math.inf
+        path = np.zeros((0, 2))
         if before.floor == waypoint.floor:
-            length_m = metric_map.geodesic_m(before.pose.xy_m, waypoint.pose.xy_m)
-        if not math.isfinite(length_m):
-            walked = np.vstack([before.pose.xy_m, metric_map.travelled[self._walked_until :, :2], waypoint.pose.xy_m])
-            length_m = float(np.hypot(*np.diff(walked, axis=0).T).sum())
-        self.graph.connect_chain(before, waypoint, length_m)
+            path = metric_map.path(before.pose.xy_m, waypoint.pose.xy_m)
+        if len(path) == 0:
+            path = np.vstack([before.pose.xy_m, metric_map.travelled[self._walked_until :, :2], waypoint.pose.xy_m])
+        self.graph.connect_chain(before, waypoint, path, float(np.hypot(*np.diff(path, axis=0).T).sum()))
 
     def _cues(self, pose: Pose, floor: int, named: Sequence[str], sightings: Sequence[Sighting]) -> tuple[LandmarkCue, ...]:
         """Lambda_k: what the anchor names first, then what was seen in this space, each thing once."""

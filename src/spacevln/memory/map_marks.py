@@ -13,6 +13,14 @@ LEGEND_PX = 40
 Colour = tuple[int, int, int]
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1
 
+DIRECTION_BOXES: tuple[Box, ...] = (  # where the words at the borders stand
+    (SIZE_PX / 2 - 18, 0, SIZE_PX / 2 + 18, 20),
+    (SIZE_PX / 2 - 18, SIZE_PX - 20, SIZE_PX / 2 + 18, SIZE_PX),
+    (0, SIZE_PX / 2 - 10, 34, SIZE_PX / 2 + 10),
+    (SIZE_PX - 34, SIZE_PX / 2 - 10, SIZE_PX, SIZE_PX / 2 + 10),
+    (SIZE_PX - 80, SIZE_PX - 28, SIZE_PX, SIZE_PX),  # scale
+)
+
 UNKNOWN: Colour = (238, 239, 243)
 FREE: Colour = (214, 232, 208)
 OBSTACLE: Colour = (38, 42, 54)

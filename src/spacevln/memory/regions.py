@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +23,7 @@ from spacevln.memory.thresholds import Threshold, Thresholds, crossing_m
 CELL_M = 0.1
 SUPPORT_RADIUS_M = 3.0  # [ours; authors' code 2 m]
 SEED_RADIUS_M = 0.5  # the floor around a waypoint always belongs to it
+GROWTH_M = 1.0  # into floor that furniture hides from the waypoint itself
 MIN_OVERLAP = 0.1  # of the smaller support
 JOIN_DISTANCE_M = 5.0  # [authors' code]
 _RAYS = 200
@@ -83,7 +85,7 @@ class Support:
 
 
 def support(pose: Pose, metric_map: MemoryMap, thresholds: Sequence[Threshold]) -> Support:
-    """What can be seen of the free floor from a pose, as far as walls, thresholds and 3 m."""
+    """What can be seen of the free floor from a pose, as far as walls, thresholds and 3 m, and the floor right beside it."""
     crop = metric_map.crop(pose.xy_m, _CROP_M, 0.0)
     rows, columns = _ray_pixels(len(crop.free))
     free, wall = crop.free[rows, columns], crop.obstacle[rows, columns] & (_RANGES > 2 * CELL_M)
@@ -92,9 +94,28 @@ def support(pose: Pose, metric_map: MemoryMap, thresholds: Sequence[Threshold]) 
     sight = near & (np.cumsum(wall, axis=1) == 0)
     known = np.cumsum(~free & ~seed, axis=1) * _STEP_M <= _UNKNOWN_GAP_M
     hidden = (sight & ~known).any(axis=1)
-    ray, step = np.nonzero(sight & known & (free | seed))
-    cells = cells_of(pose.xy_m + _RANGES[step, None] * _DIRECTIONS[ray])
-    return Support(cells, bool(hidden.mean() <= _COMPLETE_SHARE), len(thresholds))
+    seen = np.zeros(crop.free.shape, np.uint8)
+    inside = sight & known & (free | seed)
+    seen[rows[inside], columns[inside]] = 1
+    pixels = np.argwhere(_grown(seen, crop.free, pose, thresholds))
+    middle, cell_m = (len(seen) - 1) / 2, _CROP_M / len(seen)
+    return Support(cells_of(pose.xy_m + (middle - pixels) * cell_m), bool(hidden.mean() <= _COMPLETE_SHARE), len(thresholds))
+
+
+def _grown(seen: NDArray[np.uint8], free: NDArray[np.bool_], pose: Pose, thresholds: Sequence[Threshold]) -> NDArray[np.uint8]:
+    """Spread over free floor into the shadows of things, up to 1 m, never across a threshold."""
+    per_metre = len(seen) / _CROP_M
+    open_floor = free.astype(np.uint8) | seen
+    for threshold in thresholds:
+        ends = (len(seen) - 1) / 2 - (np.array([threshold.a_m, threshold.b_m]) - pose.xy_m) * per_metre
+        if np.abs(ends - len(seen) / 2).max() < len(seen):
+            (v0, u0), (v1, u1) = np.rint(ends).astype(int).tolist()
+            cv2.line(open_floor, (u0, v0), (u1, v1), 0, 3)
+    cross = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+    grown = seen.astype(np.uint8)
+    for _ in range(round(GROWTH_M * per_metre)):
+        grown = np.asarray(cv2.bitwise_and(cv2.dilate(grown, cross), open_floor), np.uint8)
+    return grown
 
 
 @lru_cache(maxsize=4)

@@ -31,7 +31,8 @@ from spacevln.memory.map_marks import (
     Box,
 )
 from spacevln.memory.metric import MemoryMap
-from spacevln.memory.regions import CELL_M, cell_ij
+from spacevln.memory.region_raster import region_raster as region_raster  # also for those who draw other maps
+from spacevln.memory.regions import CELL_M
 
 if TYPE_CHECKING:
     from spacevln.memory.hierarchical import HierarchicalSpatialMemory
@@ -163,46 +164,6 @@ def _region_labels(memory: HierarchicalSpatialMemory, frame: _Frame, floor: int)
     return np.asarray(cv2.medianBlur(labels, 5), np.uint8)
 
 
-def region_raster(memory: HierarchicalSpatialMemory, floor: int) -> tuple[NDArray[np.uint8], int, int] | None:
-    """Which region owns each 0.1 m cell of a floor: (1 + index of the region) by [i - i0, j - j0], and i0, j0."""
-    members = [waypoint for waypoint in memory.waypoints if waypoint.floor == floor]
-    if not members:
-        return None
-    parts = [memory.regions.support_of(waypoint.index) for waypoint in members]
-    ij = cell_ij(np.concatenate(parts))
-    (i0, j0), (height, width) = ij.min(axis=1), ij.max(axis=1) - ij.min(axis=1) + 1
-    order = {region.label: index + 1 for index, region in enumerate(memory.regions.all)}
-    labels = np.array([min(order[memory.regions.of(waypoint.index).label], 255) for waypoint in members], np.uint8)
-    seats = np.array([[waypoint.pose.x_m, waypoint.pose.y_m] for waypoint in members]) / CELL_M - (i0 + 0.5, j0 + 0.5)
-    ends = np.cumsum([len(part) for part in parts])
-    return _own(ij[0] - i0, ij[1] - j0, ends, seats, labels, int(height), int(width)), int(i0), int(j0)
-
-
-@njit(cache=True)
-def _own(
-    i_of: NDArray[np.int64],
-    j_of: NDArray[np.int64],
-    ends: NDArray[np.int64],
-    seats: Float,
-    labels: NDArray[np.uint8],
-    height: int,
-    width: int,
-) -> NDArray[np.uint8]:  # pragma: no cover - compiled
-    """Give each cell to the nearest of the waypoints that see it; those of waypoint w end before ``ends[w]``."""
-    owner = np.zeros((height, width), np.uint8)
-    nearest = np.full((height, width), np.inf, np.float32)
-    first = 0
-    for w in range(len(ends)):
-        for k in range(first, ends[w]):
-            i, j = i_of[k], j_of[k]
-            gap = np.float32((i - seats[w, 0]) ** 2 + (j - seats[w, 1]) ** 2)
-            if gap < nearest[i, j]:
-                nearest[i, j] = gap
-                owner[i, j] = labels[w]
-        first = ends[w]
-    return owner
-
-
 def _draw_ways(canvas: NDArray[np.uint8], memory: HierarchicalSpatialMemory, travelled: Float, frame: _Frame, floor: int) -> None:
     """Thresholds, the walked way and the agent, with smooth lines."""
     for threshold in memory.thresholds.on(floor):
@@ -255,7 +216,7 @@ def _place(inside: Float, width: int, height: int, taken: Float) -> tuple[int, i
 def _draw_waypoints(picture: Image.Image, shown: Sequence[SpatialWaypoint], frame: _Frame) -> list[Box]:
     """Numbered rings; returns the boxes they and the agent cover."""
     middle = SIZE_PX / 2
-    taken: list[Box] = [_AGENT_BOX]
+    taken: list[Box] = [_AGENT_BOX, *marks.DIRECTION_BOXES]
     if not shown:
         return taken
     at = frame.pixels(np.array([[waypoint.pose.x_m, waypoint.pose.y_m] for waypoint in shown]))

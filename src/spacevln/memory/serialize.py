@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from spacevln.core import ArrangedWaypoint, Frontier, LandmarkCue, Pose, egocentric_label
+from spacevln.memory.arrange import HERE_M
 from spacevln.memory.regions import Region
 
 if TYPE_CHECKING:
     from spacevln.memory.hierarchical import HierarchicalSpatialMemory
 
-HERE_M = 0.5
 STRAIGHT_DEG = 15.0  # smaller turns are not told [authors' code]
 SHOWN_CUES = 4
 SHOWN_FRONTIERS = 6
@@ -39,10 +39,13 @@ def serialize(
         lines.extend(_waypoint_line(memory, item, floor) for item in arranged)
     if len(memory.regions.all) > 1:
         lines.append("Spaces: " + "; ".join(_region_entry(memory, entry, several) for entry in memory.regions.all))
-    wide = [frontier for frontier in frontiers if frontier.width_m >= MIN_FRONTIER_M and math.isfinite(frontier.geodesic_m)]
-    if wide:
-        borders = (f"{egocentric_label(border.bearing_rad)} {border.geodesic_m:.1f} m" for border in wide[:SHOWN_FRONTIERS])
-        lines.append("Unexplored beyond: " + "; ".join(borders))
+    borders: dict[str, str] = {}  # the nearest in each direction
+    for frontier in frontiers:
+        if frontier.width_m >= MIN_FRONTIER_M and math.isfinite(frontier.geodesic_m):
+            label = egocentric_label(frontier.bearing_rad)
+            borders.setdefault(label, f"{label} {frontier.geodesic_m:.1f} m")
+    if borders:
+        lines.append("Unexplored beyond: " + "; ".join(list(borders.values())[:SHOWN_FRONTIERS]))
     if memory.chain:
         lines.append("Walked so far: " + _chain(memory, pose, floor))
     return "\n".join(lines)
@@ -71,9 +74,11 @@ def _way(item: ArrangedWaypoint) -> str:
 
 
 def cue_words(cues: Sequence[LandmarkCue], shown: int = SHOWN_CUES) -> str:
-    """The first few cues, each wording once: ``"white sofa, fireplace"``."""
-    words = dict.fromkeys(" ".join((*cue.attributes[:1], cue.category)) for cue in cues)
-    return ", ".join(list(words)[:shown])
+    """The first few cues, each category once: ``"white sofa, fireplace"``."""
+    words: dict[str, str] = {}
+    for cue in cues:
+        words.setdefault(cue.category, " ".join((*cue.attributes[:1], cue.category)))
+    return ", ".join(list(words.values())[:shown])
 
 
 def _region_entry(memory: HierarchicalSpatialMemory, region: Region, several: bool) -> str:

@@ -26,6 +26,11 @@ class Threshold:
     distance_m: float
 
     @property
+    def width_m(self) -> float:
+        """From jamb to jamb."""
+        return math.dist(self.a_m, self.b_m)
+
+    @property
     def middle_m(self) -> tuple[float, float]:
         """Middle of the opening (x, y)."""
         return (self.a_m[0] + self.b_m[0]) / 2, (self.a_m[1] + self.b_m[1]) / 2
@@ -46,10 +51,11 @@ class Thresholds:
             if not sighting.is_passage or len(sighting.surface_m) < 2 or cue_kind(sighting.category) is not CueKind.OPENING:
                 continue
             new = Threshold(floor, sighting.surface_m[0], sighting.surface_m[-1], sighting.distance_m)
-            if not WIDTH_M[0] <= math.dist(new.a_m, new.b_m) <= WIDTH_M[1]:
+            if not WIDTH_M[0] <= new.width_m <= WIDTH_M[1]:
                 continue
             for index, old in enumerate(self._known):
-                if old.floor == floor and math.dist(old.middle_m, new.middle_m) <= SAME_THRESHOLD_M:
+                apart = max(SAME_THRESHOLD_M, (old.width_m + new.width_m) / 4)
+                if old.floor == floor and math.dist(old.middle_m, new.middle_m) <= apart:
                     if new.distance_m < old.distance_m:
                         self._known[index] = new
                     break

@@ -24,6 +24,7 @@ INSET_SHARE = 0.08  # of the box's smaller side, between 1 and 8 px
 NEAREST_PERCENTILE = 5.0
 SURFACE_POINTS = 8
 PASSAGE_DEPTH_M = 0.4  # depth beyond the jambs that makes an opening a passage [ours]
+HOLLOW_SHARE = 0.3  # of the middle of the box that the mask of a frame may cover
 
 _DIRECTIONS = np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(8) * math.pi / 8])
 
@@ -62,7 +63,13 @@ def _lift_opening(observation: Observation, detection: Detection) -> Sighting | 
     side = max(2, len(profile) // 5)
     if len(profile) < 3 * side:
         return None
-    ends = [_jamb(profile[:side], u0), _jamb(profile[-side:], u0 + len(profile) - side)]
+    frame = profile
+    if detection.mask is not None and _is_hollow(detection.mask):  # the mask is the frame itself: trust no other pixels
+        masked = np.zeros_like(observation.depth_m)
+        x0, y0, x1, y1 = detection.box_px
+        masked[y0:y1, x0:x1] = np.where(detection.mask, observation.depth_m[y0:y1, x0:x1], 0)
+        frame, _ = _profile(masked, detection.box_px)
+    ends = [_jamb(frame[:side], u0), _jamb(frame[-side:], u0 + len(frame) - side)]
     nearest = min(depth for depth, _ in ends)
     cut = (u0 <= 0, u0 + len(profile) >= observation.camera.width_px)  # there the image ends, not the opening
     ends = [end for end, is_cut in zip(ends, cut, strict=True) if end[0] < (nearest + 1.0 if is_cut else math.inf)]
@@ -165,6 +172,13 @@ def _profile(depth_m: NDArray[np.float32], box_px: tuple[int, int, int, int]) ->
     ordered = np.sort(band, axis=0)  # NaN sorts last
     middle = np.maximum(np.isfinite(band).sum(axis=0) - 1, 0) // 2
     return ordered[middle, np.arange(band.shape[1])], x0
+
+
+def _is_hollow(mask: NDArray[np.bool_]) -> bool:
+    """Whether a mask leaves out the middle of its box, as the mask of a door's frame does."""
+    height, width = mask.shape
+    middle = mask[height // 3 : height - height // 3, width // 4 : width - width // 4]
+    return middle.size > 0 and float(middle.mean()) < HOLLOW_SHARE
 
 
 def _jamb(columns: Float, offset: int) -> tuple[float, float]:
