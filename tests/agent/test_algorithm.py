@@ -186,6 +186,23 @@ def test_the_executors_stop_ends_the_stage_and_not_the_episode() -> None:
     assert [step.phase for step in done.events(StepTaken)].count("stop") == 1
 
 
+def test_a_stop_at_the_landmark_is_an_arrival_and_opens_the_gate() -> None:
+    chain = (DOOR, SOFA)
+    beside = Pose(-0.95, 0.3, 0.0, math.pi / 2)  # 0.7 m from the sofa
+    done = run([subtask_of(chain, 0), subtask_of(chain, 1)], [Stop()], AgentSettings(step_limit=40), start=beside)
+    feedback = done.events(StageEnded)[0].feedback
+    assert (feedback.end, feedback.record.decisions) == (StageEnd.ARRIVAL, ())
+    assert done.result.stop_reason is StopReason.GATE
+
+
+def test_a_stage_acts_before_its_arrival_is_judged() -> None:
+    chain = (DOOR, SOFA)
+    beside = Pose(-0.95, 0.3, 0.0, math.pi / 2)
+    done = run([subtask_of(chain, 0), subtask_of(chain, 1)], [TurnLeft()], AgentSettings(step_limit=40), start=beside)
+    feedback = done.events(StageEnded)[0].feedback
+    assert (feedback.end, len(feedback.record.decisions)) == (StageEnd.ARRIVAL, 1)
+
+
 def test_an_inadmissible_action_is_asked_again_with_the_set() -> None:
     done = run([subtask_of(CHAIN, 0)], [MoveForward(0.3), ahead], AgentSettings(step_limit=16))
     (refused,) = done.events(ReplyRefused)

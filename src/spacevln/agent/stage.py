@@ -62,9 +62,9 @@ class Stage:
             heading_rad: egocentric direction of delta_k.
         """
         self._align(heading_rad)
-        end = self._end_before_decision()
-        while end is None:
-            end = self._decide_and_act() or self._end_before_decision()
+        end = self._budget_end()
+        while end is None:  # repeat ... until: an arrival is judged after an action, so that no stage stands still
+            end = self._decide_and_act() or (StageEnd.ARRIVAL if self._arrived() else self._budget_end())
         return Feedback(self._subtask, self._record, self._world.pool(), end)  # F_k = Phi(sigma_k, tau_k, B^(k))
 
     def _align(self, heading_rad: float) -> None:
@@ -75,9 +75,8 @@ class Stage:
             _, sightings = self._body.step(turn, Phase.ALIGN, self._terms)
             self._world.update_landmarks(sightings, self._body.pose)
 
-    def _end_before_decision(self) -> StageEnd | None:
-        if self._arrived():
-            return StageEnd.ARRIVAL
+    def _budget_end(self) -> StageEnd | None:
+        """Whether the episode's or the stage's budget is spent."""
         if not self._body.budget.can_move:
             return StageEnd.EPISODE_END
         if len(self._record.decisions) >= self._settings.control.stage_decisions:
@@ -115,7 +114,7 @@ class Stage:
             )
         )
         if isinstance(reply.action, Stop):
-            return StageEnd.STOP
+            return StageEnd.ARRIVAL if self._arrived() else StageEnd.STOP
         decision = self._carry_out(reply)
         self._control.observe(decision)
         self._record = replace(self._record, decisions=(*self._record.decisions, decision))  # tau_k
