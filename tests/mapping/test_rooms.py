@@ -77,7 +77,8 @@ def test_free_cells_are_free_and_free_is_neither_obstacle_nor_unknown(explored: 
     free, obstacle, known = world_map.is_free(points), world_map.is_obstacle(points), world_map.is_explored(points)
     assert np.mean(distance_to_solid(points[free]) > 0) >= 0.98
     assert not (free & obstacle).any()
-    assert np.array_equal(free | obstacle, known)
+    assert known[free | obstacle].all()
+    assert (free | obstacle)[known].mean() > 0.97  # the rest is floor under something
 
 
 def test_floor_that_rays_reach_is_explored(explored: tuple[MetricMap, list[Observation]]) -> None:

@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-FLOOR = 1  # the floor surface itself was seen here
+FLOOR = 1  # the floor was seen here, and the space over it
 SWEPT = 2  # below the image, under rays that reach the floor or a wall beyond; or an obstacle that was seen through
 HIT = 4  # something stood here once
 STAIR = 8  # a tread connected with the floor by steps of at most 0.2 m; the ``ground`` layer has its height
 BODY = 16  # the agent stood here
+UNDER = 32  # the floor was seen, the space over it was not: under a cabinet on legs
 FREE_EVIDENCE = FLOOR | SWEPT | STAIR | BODY
 
 OBSTACLE_FROM_M = 0.15
@@ -29,6 +30,7 @@ HEIGHT_BIN_M = 0.05
 LOWEST_BIN_M = -0.30
 GROUND_BIN = 6  # bin that starts at the feet
 OBSTACLE_BIN = 9  # bin that starts at 0.15 m
+FLOOR_BINS = 0b1_1111_0000  # -0.10 to 0.15 m
 
 
 def free_of(seen: NDArray[np.uint8], solid: NDArray[np.uint8]) -> NDArray[Any]:

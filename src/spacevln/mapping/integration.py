@@ -18,8 +18,6 @@ _ON_STAIRS_M = 0.25  # farther from the floor's height, only what is near is wri
 _STAIRS_REACH_M = 1.0
 _TREADS_REACH_M = 1.5  # the next storey's floor is seen beyond the last tread
 _SAME_STRIDE_M = 0.6  # a longer way between two frames is not walked over in a straight line
-_RISE_BINS_FROM_FLOOR = 12  # stairs rise 0.6 m; a bed does not
-_RISE_BINS_ON_STAIRS = 3
 
 
 def camera_view(observation: Observation, x_m: float, y_m: float) -> NDArray[np.float64]:
@@ -81,14 +79,13 @@ class FrameWriter:
         on_stairs, level = abs(rise_m) > _ON_STAIRS_M, abs(rise_m) <= LEVEL_M
         self._stamp(pose, floor, seen, solid)
         camera_ij = self._view[9] / resolution_m, self._view[10] / resolution_m
-        rise_bins = _RISE_BINS_FROM_FLOOR if level else _RISE_BINS_ON_STAIRS
         stairs_cells = (_TREADS_REACH_M if on_stairs else 4 * DEPTH_TO_M) / resolution_m
-        if settling.find_stairs(self._heights, seen, ground, feet_bins, rise_bins, camera_ij, stairs_cells):
+        if settling.find_stairs(self._heights, seen, ground, feet_bins, not level, camera_ij, stairs_cells):
             floor.ground.write(i0, j0, ground)
         radius_cells = (_STAIRS_REACH_M if on_stairs else 4 * DEPTH_TO_M) / resolution_m
         settling.settle(self._heights, seen, solid, ground, feet_bins, camera_ij, radius_cells)
-        if not on_stairs:
-            projection.see_floor(self._depth_m, self._view, resolution_m, seen)
+        far_m = _STAIRS_REACH_M if on_stairs else DEPTH_TO_M
+        projection.see_floor(self._depth_m, self._view, resolution_m, self._heights, seen, far_m)
         if level:
             projection.clear_seen_through(self._depth_m, self._view, resolution_m, self._heights, seen, solid)
         self._store(floor, i0, j0, (seen, solid), before)

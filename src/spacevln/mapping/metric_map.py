@@ -242,9 +242,9 @@ class MetricMap:
     def sector_distance_m(self, observation: Observation, bearing_rad: float = 0.0) -> float:
         """Distance from the agent's centre to what its body would touch first in a direction [m], at most 5 m.
 
-        The smaller of what the map (up to 2 m) and this depth image say: the front edge of a low thing leaves the image before the
-        body reaches it, and an average would move it away. When at least 18 % (and 6) of the sector's depth samples are at the
-        camera's lower limit, it is 0.49 m. Treads of stairs that lead on from the local floor are no obstacles.
+        The smaller of what the map (up to 2 m) and this depth image say: the front edge of a low thing leaves the image before
+        the body reaches it, and an average would move it away. When at least 18 % (and 6) of the sector's depth samples are at
+        the camera's lower limit, it is 0.49 m. Treads of stairs that lead on from the local floor are no obstacles.
 
         Args:
             observation: image and pose of the moment; need not be integrated.

@@ -16,7 +16,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.mapping.cells import DEPTH_FROM_M, DEPTH_TO_M, FLOOR, GROUND_BIN, HEIGHT_BIN_M, LOWEST_BIN_M, SWEPT
+from spacevln.mapping.cells import DEPTH_FROM_M, DEPTH_TO_M, FLOOR, FLOOR_BINS, HEIGHT_BIN_M, LOWEST_BIN_M, SWEPT, UNDER
 
 _ROWS_ABOVE = 4
 _BLIND_ROWS = 24  # rows over which the lowest visible surface is told upright or lying
@@ -59,7 +59,12 @@ def scatter_heights(
 
 @numba.njit(cache=True)
 def see_floor(
-    depth_m: NDArray[np.float32], view: NDArray[np.float64], resolution_m: float, seen: NDArray[np.uint8]
+    depth_m: NDArray[np.float32],
+    view: NDArray[np.float64],
+    resolution_m: float,
+    heights: NDArray[np.uint32],
+    seen: NDArray[np.uint8],
+    far_m: float,
 ) -> None:  # pragma: no cover - compiled
     """Flag the cells whose floor the image shows, and those below the image over which its lowest rays pass."""
     rows, columns = depth_m.shape
@@ -68,19 +73,24 @@ def see_floor(
     for i in range(seen.shape[0]):
         dx = (i + 0.5) * resolution_m - view[9]
         for j in range(seen.shape[1]):
+            if seen[i, j] & FLOOR != 0:
+                continue
             dy = (j + 0.5) * resolution_m - view[10]
             forward = view[0] * dx + view[3] * dy - view[6] * view[11]
-            if forward < 0.02 or forward > DEPTH_TO_M:
+            if forward < 0.02 or forward > far_m:
                 continue
-            u = cx - fx * (view[1] * dx + view[4] * dy - view[7] * view[11]) / forward
-            if u < 0.0 or u >= columns:
+            left = view[1] * dx + view[4] * dy - view[7] * view[11]
+            if fx * left > cx * forward or fx * left <= (cx - columns) * forward:
                 continue
+            u = cx - fx * left / forward
             v = cy - fy * (view[2] * dx + view[5] * dy - view[8] * view[11]) / forward
             if v >= rows:
                 if forward <= reach_m[np.int64(u)]:
                     seen[i, j] |= SWEPT
-            elif v >= 0.0 and forward >= DEPTH_FROM_M and _floor_at(depth_m, view, np.int64(u), np.int64(v), forward):
-                seen[i, j] |= FLOOR
+            elif v >= 0.0 and forward >= DEPTH_FROM_M:
+                hit = heights[i, j] & np.uint32(FLOOR_BINS) != 0
+                if hit or _floor_at(depth_m, view, np.int64(u), np.int64(v), forward):
+                    seen[i, j] |= FLOOR if _room_above(depth_m, view, dx, dy) else UNDER
 
 
 @numba.njit(cache=True)
@@ -100,6 +110,24 @@ def _floor_at(
 
 
 @numba.njit(cache=True)
+def _room_above(
+    depth_m: NDArray[np.float32], view: NDArray[np.float64], dx: float, dy: float
+) -> bool:  # pragma: no cover - compiled
+    """Whether a ray reaches the space 0.35 or 0.70 m over a cell, or it lies outside the image."""
+    for z in (0.35, 0.7):
+        dz = z - view[11]
+        forward = view[0] * dx + view[3] * dy + view[6] * dz
+        u = np.int64(view[14] - view[12] * (view[1] * dx + view[4] * dy + view[7] * dz) / forward)
+        v = np.int64(view[15] - view[13] * (view[2] * dx + view[5] * dy + view[8] * dz) / forward)
+        if u < 0 or v < 0 or u >= depth_m.shape[1] or v >= depth_m.shape[0]:
+            return True
+        d = depth_m[v, u]
+        if not (DEPTH_FROM_M <= d <= DEPTH_TO_M) or d >= forward - 0.05:
+            return True
+    return False
+
+
+@numba.njit(cache=True)
 def _off_floor_m(depth_m: NDArray[np.float32], view: NDArray[np.float64], u: int, v: int) -> Any:  # pragma: no cover - compiled
     """How far a measured depth differs from the floor plane's [m]; inf when the ray does not descend."""
     slope = view[6] - view[7] * (u + 0.5 - view[14]) / view[12] - view[8] * (v + 0.5 - view[15]) / view[13]
@@ -112,8 +140,8 @@ def _off_floor_m(depth_m: NDArray[np.float32], view: NDArray[np.float64], u: int
 def _reach_below(depth_m: NDArray[np.float32], view: NDArray[np.float64]) -> Any:  # pragma: no cover - compiled
     """Per column: how far forward the floor below the image may be taken as free [m].
 
-    Unbounded when the lowest ray ends on the floor; up to an upright surface when it ends on one (wall, cupboard); nothing
-    when it ends on something lying (a bed whose front edge is out of sight) or on no surface in range.
+    To the floor when the lowest ray ends there, to an upright surface when it ends on one (wall, cupboard); nowhere when it ends
+    on something lying (a bed whose front edge is out of sight) or on no surface in range.
     """
     rows, columns = depth_m.shape
     reach_m = np.zeros(columns)
@@ -124,8 +152,8 @@ def _reach_below(depth_m: NDArray[np.float32], view: NDArray[np.float64]) -> Any
             continue
         side = -(u + 0.5 - view[14]) / view[12]
         z = view[11] + d * (view[6] + view[7] * side - view[8] * (low + 0.5 - view[15]) / view[13])
-        if -0.10 <= z < 0.10:
-            reach_m[u] = DEPTH_TO_M
+        if -0.03 <= z < 0.03:
+            reach_m[u] = d
         elif z > 0.0 and abs(above - d) < 0.3 * d * (low - high) / view[13]:
             reach_m[u] = d - 0.05
     return reach_m
@@ -149,6 +177,10 @@ def clear_seen_through(
     for i in range(n_i):
         for j in range(n_j):
             if solid[i, j] == 0:
+                continue
+            dx, dy = (i + 0.5) * resolution_m - view[9], (j + 0.5) * resolution_m - view[10]
+            forward = view[0] * dx + view[3] * dy
+            if forward < DEPTH_FROM_M or abs(view[1] * dx + view[4] * dy) * view[12] > depth_m.shape[1] * forward:
                 continue
             left_over = solid[i, j]
             for b in range(8):
@@ -200,6 +232,3 @@ def _looks_through(
 def through_pixel(d: float, behind_m: float) -> Any:  # pragma: no cover - compiled
     """Whether a measured depth ends behind a distance."""
     return behind_m < d <= DEPTH_TO_M
-
-
-FLOOR_BINS = ((1 << (GROUND_BIN + 3)) - 1) & ~((1 << (GROUND_BIN - 2)) - 1)  # -0.10 to 0.15 m

@@ -6,12 +6,14 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.mapping.cells import BODY, FLOOR, GROUND_BIN, HEIGHT_BIN_M, HIT, LOWEST_BIN_M, OBSTACLE_BIN, STAIR
-from spacevln.mapping.projection import FLOOR_BINS
+from spacevln.mapping.cells import BODY, FLOOR_BINS, GROUND_BIN, HEIGHT_BIN_M, HIT, LOWEST_BIN_M, OBSTACLE_BIN, STAIR, UNDER
 
 _STEP_BINS = 4  # 0.20 m, the highest step that is climbed
 _STAIR_JOIN_CELLS = 6  # treads over eye level are not seen: risers are joined over a tread
-_STAIR_MIN_CELLS = 40
+_STAIR_MIN_CELLS = 80
+_FLIGHT_SLOPE = (0.35, 1.0)
+_FLIGHT_REST_BINS = 1.5
+_FLIGHT_WIDTH_CELLS = 10
 TREAD_TOP_BIN = GROUND_BIN + 6  # over a tread, the riser of the next one may share its cell
 
 
@@ -81,24 +83,25 @@ def find_stairs(
     seen: NDArray[np.uint8],
     ground: NDArray[np.int8],
     feet_bins: int,
-    rise_bins: int,
+    on_stairs: bool,
     camera_ij: tuple[float, float],
     radius_cells: float,
 ) -> int:  # pragma: no cover - compiled
     """Flag treads and risers that steps of at most 0.2 m connect with the floor; returns how many cells are new.
 
-    A tread or riser is a cell whose heights span at most a step. Furniture is not reached: its sides span more. A group must rise
-    by ``rise_bins`` in all, so that a low box stays an obstacle.
+    A tread or riser is a cell whose heights span at most a step. The sides of most furniture span more; what is left must rise
+    by 0.6 m in all, evenly in one direction, as wide as a flight.
 
     Args:
         heights: of this frame, relative to the feet.
         ground: tread heights over the floor [bins of 5 cm], written for the new ones.
         feet_bins: height of the feet over the floor [bins].
-        rise_bins: needed rise of a group over the feet [bins].
+        on_stairs: the agent already stands on them: a single step on is enough.
         camera_ij, radius_cells: only cells this near are looked at.
     """
     n_i, n_j = heights.shape
     level = np.full((n_i, n_j), -1, np.int8)
+    rise_bins = 3 if on_stairs else 12
     queue = np.empty((n_i * n_j, 2), np.int32)
     for i in range(n_i):
         for j in range(n_j):
@@ -114,7 +117,8 @@ def find_stairs(
             if level[i, j] < 0 or not _reached(heights, seen, ground, feet_bins, level[i, j], i, j):
                 continue
             end, highest = _climb(level, queue, i, j)
-            if end >= _STAIR_MIN_CELLS and highest >= GROUND_BIN + rise_bins:
+            even = on_stairs or (end >= _STAIR_MIN_CELLS and _is_flight(level, queue, end))
+            if even and highest >= GROUND_BIN + rise_bins:
                 for k in range(end):
                     a, b = queue[k, 0], queue[k, 1]
                     if seen[a, b] & STAIR == 0:
@@ -146,6 +150,35 @@ def _reached(
                 if (bits & FLOOR_BINS != 0 and bits >> OBSTACLE_BIN == 0) or seen[a, b] & BODY != 0:
                     return True
     return False
+
+
+@numba.njit(cache=True)
+def _is_flight(level: NDArray[np.int8], queue: NDArray[np.int32], count: int) -> bool:  # pragma: no cover - compiled
+    """Whether a group of treads rises like one flight: a plane fits its heights, of a stair's slope and at least 0.5 m wide."""
+    mean = np.zeros(3)
+    for k in range(count):
+        i, j = queue[k, 0], queue[k, 1]
+        mean += np.array([i, j, -level[i, j] - 2.0])
+    mean /= count
+    s_ii, s_ij, s_jj, s_ih, s_jh, s_hh = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(count):
+        i, j = queue[k, 0], queue[k, 1]
+        a, b, h = i - mean[0], j - mean[1], -level[i, j] - 2.0 - mean[2]
+        s_ii, s_ij, s_jj = s_ii + a * a, s_ij + a * b, s_jj + b * b
+        s_ih, s_jh, s_hh = s_ih + a * h, s_jh + b * h, s_hh + h * h
+    determinant = s_ii * s_jj - s_ij * s_ij
+    if determinant < 1e-6:
+        return False
+    g_i, g_j = (s_jj * s_ih - s_ij * s_jh) / determinant, (s_ii * s_jh - s_ij * s_ih) / determinant
+    slope = np.hypot(g_i, g_j)  # bins of 5 cm per cell
+    rest = (s_hh - g_i * s_ih - g_j * s_jh) / count
+    if not (_FLIGHT_SLOPE[0] <= slope <= _FLIGHT_SLOPE[1]) or rest > _FLIGHT_REST_BINS**2:
+        return False
+    low, high = np.inf, -np.inf
+    for k in range(count):
+        across = (queue[k, 1] * g_i - queue[k, 0] * g_j) / slope
+        low, high = min(low, across), max(high, across)
+    return bool(high - low >= _FLIGHT_WIDTH_CELLS)
 
 
 @numba.njit(cache=True)
@@ -202,7 +235,7 @@ def settle(
                     if (standing >> (3 * b)) & 7 != 0:
                         solid[i, j] |= 1 << b
             elif bits & FLOOR_BINS != 0:
-                seen[i, j] |= FLOOR
+                seen[i, j] |= UNDER
 
 
 @numba.njit(cache=True)
