@@ -33,7 +33,7 @@ def hit(scene: CompiledScene, point: tuple[float, float, float], direction: tupl
 def test_arrays_belong_to_the_geoms_of_the_model(built):
     for house, scene in built:
         n = scene.model.ngeom
-        assert len(scene.geom_instance) == len(scene.geom_room) == len(scene.pieces) == len(scene.geom_rgb) == n
+        assert len(scene.geom_instance) == len(scene.geom_room) == len(scene.pieces) == n
         known = {0} | {x.id for x in (*house.items, *house.openings, *house.stairs)}
         assert set(scene.geom_instance.tolist()) == known
         assert set(scene.geom_room.tolist()) <= {-1, *range(len(house.rooms))}

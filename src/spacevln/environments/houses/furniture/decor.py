@@ -57,7 +57,7 @@ def _desk_lamp(k: Kit, look: Look) -> None:
 
 @kind("ceiling lamp", looks(("white", "glow-lamp", "plain-white"), ("gold", "glow-lamp", "gloss-gold")), stand="ceiling")
 def _ceiling_lamp(k: Kit, look: Look) -> None:
-    k.rod(look.trim, 0.2, 0.03, z=0.09)
+    k.rod(look.trim, 0.2, 0.05, z=0.11)
     k.mesh("pillow", look.main, 0.38, 0.38, 0.16, z=0.0)
 
 
@@ -144,7 +144,7 @@ def _flowers(k: Kit, look: Look) -> None:
 )
 def _vase(k: Kit, look: Look) -> None:
     k.mesh("vase", look.main, 0.2, 0.2, 0.36)
-    k.mesh("thinring", "gloss-gold", 0.2, 0.02, 0.2, z=0.06, turn=(HALF_PI, 0, 0))
+    k.mesh("thinring", "gloss-gold", 0.208, 0.03, 0.208, z=0.058, turn=(HALF_PI, 0, 0))
 
 
 @kind("candle", looks(("white", "plain-ivory", "gloss-brass"), ("red", "plain-red", "gloss-brass")), stand="top")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,9 @@ from spacevln.core.geometry import Float
 from spacevln.core.sensing import Camera
 from spacevln.environments.houses.furniture.kit import CATALOGUE, design
 from spacevln.environments.houses.plan import Floor, House, Item, Rect, Room
+from spacevln.environments.houses.rendering.choice import make_renderer, renderer_info
+from spacevln.environments.houses.rendering.protocol import Drawable
+from spacevln.environments.houses.scene import compile_scene
 from spacevln.environments.houses.walkable import Walkable
 
 _STAGE_M = 11.0
@@ -49,7 +53,7 @@ def stage(category: str, look: int = 0, form: int = 0) -> tuple[House, View]:
     made = design(category, look, form)
     stand = CATALOGUE[category].stand
     half = _STAGE_M / 2
-    z = {"wall": 1.2, "ceiling": 2.58 - made.size[2], "top": 0.75}.get(stand, 0.002)
+    z = {"wall": min(1.2, 2.55 - made.size[2]), "ceiling": 2.58 - made.size[2], "top": 0.75}.get(stand, 0.002)
     y = -half + made.size[1] / 2 + 0.003 if stand == "wall" else 0.0
     items = [Item(1, category, made.attributes, 0, 0, 0.0, y, z, 0.0, made.size, made.parts, True)]
     if stand == "top":
@@ -103,3 +107,46 @@ def grid(images: list[Image], columns: int, margin_px: int = 4) -> Image:
         i, j = divmod(k, columns)
         sheet[i * (height + margin_px) :, j * (width + margin_px) :][:height, :width] = image
     return sheet
+
+
+def render_views(house: House, views: Sequence[View], renderer: str = "auto") -> list[Image]:
+    """Pictures of a house.
+
+    Args:
+        house: furnished.
+        views: what to see.
+        renderer: ``"auto"``, ``"gl"`` or ``"raycast"``.
+
+    Raises:
+        PrerequisiteError: OpenGL is demanded and there is none.
+    """
+    compiled = compile_scene(house)
+    width, height = max(view.camera.width_px for view in views), max(view.camera.height_px for view in views)
+    drawn = make_renderer(renderer_info(renderer), Drawable(house, compiled.model, compiled.geom_instance), width, height)
+    try:
+        return [drawn.render(view.T_scene_camera, view.camera).rgb for view in views]
+    finally:
+        drawn.close()
+
+
+def category_sheet(
+    rng: np.random.Generator, categories: Sequence[str] | None = None, columns: int = 6, renderer: str = "auto"
+) -> tuple[Image, tuple[str, ...]]:
+    """An unlabelled sheet of shuffled categories in random looks, and what it shows, row by row."""
+    names = list(CATALOGUE) if categories is None else list(categories)
+    shown = [names[int(k)] for k in rng.permutation(len(names))]
+    crops = []
+    for name in shown:
+        house, view = stage(name, int(rng.integers(len(CATALOGUE[name].looks))), int(rng.integers(3)))
+        crops += render_views(house, [view], renderer)
+    return grid(crops, columns), tuple(shown)
+
+
+def room_sheet(house: House, renderer: str = "auto", columns: int = 2) -> tuple[Image, tuple[str, ...]]:
+    """Two views of every room of a house side by side, and the rooms' types, row by row."""
+    space = Walkable(house)
+    pairs = [(room.type, room_views(house, room, space)) for room in house.rooms]
+    pairs = [(name, views) for name, views in pairs if len(views) == 2]
+    images = render_views(house, [view for _, views in pairs for view in views], renderer)
+    doubles = [np.hstack(images[k : k + 2]) for k in range(0, len(images), 2)]
+    return grid(doubles, columns), tuple(name for name, _ in pairs)

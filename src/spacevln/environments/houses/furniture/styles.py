@@ -39,7 +39,7 @@ WALLS: dict[str, tuple[str, ...]] = {
     "gym": ("wall-paint-white", "wall-paint-silver", "wall-paint-sky"),
     "hallway": ("wall-paint-ivory", "wall-paint-cream", "wall-paint-white", "wall-stripes-cream"),
     "kitchen": ("wall-paint-cream", "wall-tile-ivory", "wall-paint-mint", "wall-paint-white", "wall-paint-yellow"),
-    "laundry room": ("wall-paint-white", "wall-tile-white", "wall-paint-mint"),
+    "laundry room": ("wall-paint-sky", "wall-tile-mint", "wall-paint-mint", "wall-paint-yellow"),
     "library": ("wall-panel-oak", "wall-panel-walnut", "wall-damask-olive"),
     "living room": (*(f"wall-paint-{colour}" for colour in _LIVING), "wall-damask-ivory", "wall-stripes-beige"),
     "office": ("wall-paint-sage", "wall-paint-ivory", "wall-panel-maple", "wall-paint-silver"),

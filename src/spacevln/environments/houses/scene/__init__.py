@@ -38,11 +38,6 @@ class CompiledScene:
     geom_room: NDArray[np.int32]
     pieces: tuple[Piece, ...]
 
-    @property
-    def geom_rgb(self) -> NDArray[np.float32]:
-        """(ngeom, 3) 0 to 1, mean colour of every geom, for renderers without textures; computed anew at each call."""
-        return np.array([mean_rgb(piece) for piece in self.pieces], np.float32).reshape(-1, 3)
-
 
 def scene_pieces(house: House) -> tuple[Piece, ...]:
     """Everything that is drawn of a house, in a fixed order."""
@@ -138,17 +133,3 @@ def _add_mesh(spec: mujoco.MjSpec, name: str, triangles: Triangles) -> None:
     mesh.usernormal = triangles.normals.ravel().tolist()
     mesh.usertexcoord = triangles.uv.ravel().tolist()
     mesh.userface = triangles.faces.ravel().tolist()
-
-
-def mean_rgb(piece: Piece) -> NDArray[np.float64]:
-    """(3,) the mean colour of a piece by area, 0 to 1."""
-    stuff, triangles = piece.stuff, piece.triangles
-    image = texture(stuff.texture)
-    if stuff.palette_uv is None:
-        return np.asarray(image.reshape(-1, 3).mean(axis=0) / 255 * np.array(stuff.rgb))
-    corners = triangles.points[triangles.faces]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    uv = triangles.uv[triangles.faces[:, 0]]
-    height, width = image.shape[:2]
-    pixels = image[((1 - uv[:, 1]) * height).astype(int), (uv[:, 0] * width).astype(int)]
-    return np.asarray((pixels * area[:, None]).sum(axis=0) / max(float(area.sum()), 1e-12) / 255)

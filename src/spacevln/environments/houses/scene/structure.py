@@ -8,7 +8,7 @@ from collections import defaultdict
 import numpy as np
 
 from spacevln.environments.houses.furniture.mesh import Array, Triangles, join, part_triangles
-from spacevln.environments.houses.layout.structure import SlabBox, WallBox, railings, slabs, steps, walls
+from spacevln.environments.houses.layout.structure import SlabBox, WallBox, direction, railings, slabs, steps, walls
 from spacevln.environments.houses.materials import material
 from spacevln.environments.houses.plan import House, Part, Rect, Stairs
 from spacevln.environments.houses.scene.pieces import Piece, box_faces, boxes, flat_uv, quads
@@ -16,6 +16,7 @@ from spacevln.environments.houses.scene.pieces import Piece, box_faces, boxes, f
 _OUTSIDE = "wall-siding-cream"
 _CEILING = "lit-white"
 _BALUSTER = "plain-white"
+_TREAD_M, _NOSE_M = 0.035, 0.02
 
 
 def wall_pieces(house: House) -> list[Piece]:
@@ -127,14 +128,22 @@ def stair_pieces(house: House) -> list[Piece]:
         low = house.floors[stairs.lower_floor].z_m
         treads, sides = [], []
         for step in steps(house, stairs):
-            treads.append(box_faces(step.rect, step.z0_m, step.z1_m, ("+z",)))
-            sides.append(box_faces(step.rect, max(low, step.z0_m), step.z1_m, ("-x", "+x", "-y", "+y")))
+            treads.append(box_faces(_nosed(stairs, step.rect), step.z1_m - _TREAD_M, step.z1_m))
+            sides.append(box_faces(step.rect, max(low, step.z0_m), step.z1_m - _TREAD_M, ("-x", "+x", "-y", "+y")))
         for key, made in (("wood-oak", treads), ("plain-ivory", sides)):
             points, normals = np.concatenate([p for p, _ in made]), np.concatenate([n for _, n in made])
             stuff = material(key)
             found.append(Piece(quads(points, normals, flat_uv(points, normals, stuff)), stuff, stairs.id, None))
     found += _railing_pieces(house)
     return found
+
+
+def _nosed(stairs: Stairs, rect: Rect) -> Rect:
+    """A tread that reaches a little over the riser below it, so that the edge of every step shows."""
+    ux, uy = direction(stairs)
+    return Rect(
+        rect.x0 - _NOSE_M * (ux > 0), rect.y0 - _NOSE_M * (uy > 0), rect.x1 + _NOSE_M * (ux < 0), rect.y1 + _NOSE_M * (uy < 0)
+    )
 
 
 def _railing_pieces(house: House) -> list[Piece]:
