@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.core import Action, EpisodeSpec, InstructionTask, ObjectGoalTask, Pose, Stop, UsageError
+from spacevln.core import Action, EpisodeSpec, InstructionTask, ObjectGoalTask, Pose, UsageError
 from spacevln.environments.houses.episodes import (
     Grounds,
     HouseEpisode,
@@ -66,7 +66,9 @@ class ObjectGoalTruth:
         self.goals = np.array([[item.x, item.y, item.z] for item in goal.instances])
         self.shortest_path: Points = goal.field.path(start.x_m, start.y_m, start.z_m)
         self.reference_path: Points | None = None
-        self._follower = ShortestPathFollower(Body(goal.grounds.walkable), goal.field, stop_m=0.0)
+        self._follower = ShortestPathFollower(
+            Body(goal.grounds.walkable), goal.field, arrived=lambda pose: self.reached(pose.position_m)
+        )
 
     def distances_m(self, positions: Points) -> NDArray[np.float64]:
         """Geodesic distances to the nearest place from which STOP succeeds."""
@@ -78,7 +80,7 @@ class ObjectGoalTruth:
 
     def follow(self, pose: Pose) -> Action:
         """The shortest-path follower's primitive; STOP as soon as it would succeed."""
-        return Stop() if self.reached(pose.position_m) else self._follower.action(pose)
+        return self._follower.action(pose)
 
 
 def house_episode_id(suite: str, seed: int) -> str:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from spacevln.core.actions import Action, MoveForward, Stop, TurnLeft, TurnRight
 from spacevln.core.geometry import Pose
 from spacevln.environments.houses.geodesics import Field
 from spacevln.environments.houses.motion import Body
 
+STOP_M = 0.25
 _PROGRESS_M = 0.005
 
 
@@ -22,21 +24,29 @@ class ShortestPathFollower:
         body: that will carry the actions out.
         field: distances from the goal.
         step_m, turn_deg: the primitives.
-        stop_m: STOP is due at this distance from the goal.
+        arrived: says of a pose whether STOP is due there; by default within 0.25 m of the goal.
     """
 
-    def __init__(self, body: Body, field: Field, *, step_m: float = 0.25, turn_deg: float = 30.0, stop_m: float = 0.25) -> None:
+    def __init__(
+        self,
+        body: Body,
+        field: Field,
+        *,
+        step_m: float = 0.25,
+        turn_deg: float = 30.0,
+        arrived: Callable[[Pose], bool] | None = None,
+    ) -> None:
         self._body = body
         self._field = field
         self._step_m = step_m
         self._turn_deg = turn_deg
-        self._stop_m = stop_m
+        self._arrived = arrived or (lambda pose: field.at(pose.x_m, pose.y_m, pose.z_m) <= STOP_M)
 
     def action(self, pose: Pose) -> Action:
         """The next primitive from a pose (scene frame); Stop at the goal, or where no step leads nearer to it."""
-        here = self._field.at(pose.x_m, pose.y_m, pose.z_m)
-        if here <= self._stop_m:
+        if self._arrived(pose):
             return Stop()
+        here = self._field.at(pose.x_m, pose.y_m, pose.z_m)
         half = round(180.0 / self._turn_deg)
         turns = sorted(range(-half + 1, half + 1), key=abs)
         after = [self._after(pose.turned(math.radians(self._turn_deg * turn))) for turn in turns]
@@ -49,4 +59,5 @@ class ShortestPathFollower:
 
     def _after(self, pose: Pose) -> float:
         reached, _ = self._body.forward(pose, self._step_m)
-        return self._field.at(reached.x_m, reached.y_m, reached.z_m)
+        left = self._field.at(reached.x_m, reached.y_m, reached.z_m)
+        return -1.0 if left < self._step_m and self._arrived(reached) else left
