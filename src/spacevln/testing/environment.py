@@ -27,6 +27,7 @@ from spacevln.core.task import EpisodeSpec
 
 POSITION_M = 1e-6
 ANGLE_RAD = 1e-6
+_ENOUGH_POINTS = 20
 
 
 class EnvironmentConformance:
@@ -178,20 +179,13 @@ class EnvironmentConformance:
                 return
 
     def test_depth_agrees_with_motion(self, environment: Environment, episode: EpisodeSpec) -> None:
-        """What is seen straight ahead comes nearer by the step, and its points keep their place in the episode frame."""
+        """What is seen ahead comes nearer by the step, and what was measured keeps its place under steps and turns."""
         before = environment.reset(episode)
         motion = environment.execute(MoveForward(environment.spec.step_m))
         after = environment.observe()
-        points = transform_points(np.linalg.inv(before.T_world_camera).astype(np.float64), self._points(after))
-        points = points[points[:, 0] > 0.3]
-        camera = environment.spec.camera
-        columns = np.floor(camera.cx_px - camera.fx_px * points[:, 1] / points[:, 0]).astype(int)
-        rows = np.floor(camera.cy_px - camera.fy_px * points[:, 2] / points[:, 0]).astype(int)
-        inside = (rows >= 0) & (rows < camera.height_px) & (columns >= 0) & (columns < camera.width_px)
-        measured = before.depth_m[rows[inside], columns[inside]]
-        both = measured > 0
-        if both.sum() > 20:
-            assert np.median(np.abs(measured - points[inside, 0])[both]) <= self.depth_tolerance_m
+        assert self._disagreement(before, after) <= self.depth_tolerance_m
+        environment.execute(TurnLeft(environment.spec.turn_deg))
+        assert self._disagreement(after, environment.observe()) <= self.depth_tolerance_m
         row, column = environment.spec.camera.height_px // 2, environment.spec.camera.width_px // 2
         first, second = float(before.depth_m[row, column]), float(after.depth_m[row, column])
         if first > 0 and second > 0:
@@ -237,6 +231,21 @@ class EnvironmentConformance:
             environment.execute(action)
             seen.append(environment.observe())
         return seen
+
+    @classmethod
+    def _disagreement(cls, before: Observation, after: Observation) -> float:
+        """Median difference [m] between the depth of an image and that of another one's points seen from there."""
+        camera = before.camera
+        points = transform_points(np.linalg.inv(before.T_world_camera).astype(np.float64), cls._points(after))
+        points = points[points[:, 0] > 0.3]
+        columns = np.floor(camera.cx_px - camera.fx_px * points[:, 1] / points[:, 0]).astype(int)
+        rows = np.floor(camera.cy_px - camera.fy_px * points[:, 2] / points[:, 0]).astype(int)
+        inside = (rows >= 0) & (rows < camera.height_px) & (columns >= 0) & (columns < camera.width_px)
+        measured = before.depth_m[rows[inside], columns[inside]]
+        both = measured > 0
+        if both.sum() < _ENOUGH_POINTS:
+            return 0.0
+        return float(np.median(np.abs(measured - points[inside, 0])[both]))
 
     @staticmethod
     def _points(seen: Observation) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
