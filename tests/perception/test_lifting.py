@@ -104,3 +104,15 @@ def test_detector_and_lifting_fit_together() -> None:
     assert sighting.category == "sofa"
     assert sighting.attributes == ("white",)
     assert sighting.pixels == 1600
+
+
+def test_a_chair_before_a_door_is_not_its_jamb() -> None:
+    observation = observe({}, wall_m=2.0, camera=FULL)
+    observation.depth_m[80:420, 240:400] = 4.5
+    observation.depth_m[200:420, 250:275] = 1.1  # a chair stands before the left side of the way through
+    mask = np.zeros((340, 180), np.bool_)
+    mask[:, :10] = mask[:, -10:] = mask[:10] = True
+    (sighting,) = lift(observation, [Detection("doorway", (230, 80, 410, 420), 0.9, mask)])
+    assert sighting.is_passage
+    assert sighting.position_m[0] == pytest.approx(2.0, abs=0.05)
+    assert [x for x, _ in sighting.surface_m] == pytest.approx([2.0] * 8, abs=0.05)
