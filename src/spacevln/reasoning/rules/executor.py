@@ -21,6 +21,8 @@ from spacevln.core import (
     describe,
 )
 
+from spacevln.reasoning.rules.grid import comfortable_way
+
 Float = NDArray[np.float64]
 TURN_DEG = 30.0
 ARRIVED_M = 0.3
@@ -48,9 +50,9 @@ class RuleExecutor:
         remaining = pose.distance_m(float(target[0]), float(target[1]))
         if remaining <= ARRIVED_M:
             return _reply(context, Stop(), None, candidate, f"the target is {remaining:.2f} m away: the stage is done")
-        way = context.space.path(pose.xy_m, target)
-        known = len(way) >= 2
-        path = np.asarray(way) if known else np.stack([pose.xy_m, target])
+        way = comfortable_way(context.space, pose, (float(target[0]), float(target[1])))
+        known = way is not None
+        path = way if way is not None else np.stack([pose.xy_m, target])
         action, purpose = self._follow(context, path)
         words = (
             f"target {remaining:.2f} m away, {'on the known way' if known else 'no known way: straight on'}: {describe(action)}"
@@ -119,7 +121,8 @@ def _clear_ahead(context: ExecutorContext) -> list[float]:
         + forward[:, None, None] * along[None, :, None, None]
         + side[:, None, None] * np.array(LANES_M)[None, None, :, None]
     )
-    blocked = context.space.is_obstacle(points.reshape(-1, 2)).reshape(len(headings), len(along), len(LANES_M)).any(axis=2)
+    hit = np.asarray(context.space.is_obstacle(points.reshape(-1, 2)))
+    blocked = np.any(hit.reshape(len(headings), len(along), len(LANES_M)), axis=2)
     first = np.where(blocked.any(axis=1), blocked.argmax(axis=1), len(along))
     return [float(along[k - 1] - 0.1) if k else 0.0 for k in first]
 

@@ -11,8 +11,8 @@ from scipy.ndimage import distance_transform_edt, label
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from spacevln.core import SpatialMap
-from spacevln.reasoning.rules.sightings import LEAST_PORTAL_M, XY, Portal
+from spacevln.core import Pose, SpatialMap
+from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal
 
 Float = NDArray[np.float64]
 CELL_M = 0.15
@@ -42,7 +42,7 @@ class FloorGrid:
         self.obstacle = np.asarray(space.is_obstacle(centres)).reshape(self.shape)
         cut = self.free.copy()
         for portal in portals:
-            if portal.width_m >= LEAST_PORTAL_M:
+            if portal.quality >= PRECISE_QUALITY:
                 cut &= ~self._threshold(centres, portal).reshape(self.shape)
         self.rooms, self.count = label(cut)
         self.clearance_m = np.asarray(distance_transform_edt(cut)) * CELL_M
@@ -145,8 +145,9 @@ class FloorGrid:
 
     def loose_walk(self, start: XY, goal: XY) -> Float | None:
         """A walk over the whole storey that may brush along obstacles and over unseen floor at a price; None when cut off."""
-        cost = np.where(self.obstacle, 8.0, np.where(self.free, 1.0, 3.0))
-        cost = cost + 2.0 * np.clip(1.0 - np.asarray(distance_transform_edt(~self.obstacle)) * CELL_M / COMFORT_M, 0.0, 1.0)
+        cost = np.where(self.obstacle, 60.0, np.where(self.free, 1.0, 2.5))
+        room_m = (np.asarray(distance_transform_edt(~self.obstacle)) - 0.5) * CELL_M
+        cost = cost + 5.0 * np.clip(1.0 - room_m / COMFORT_M, 0.0, 1.0)
         index = np.arange(cost.size).reshape(self.shape)
         rows, cols, costs = [], [], []
         for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
@@ -165,7 +166,14 @@ class FloorGrid:
                 return None
             steps.append(parent)
         cells = np.stack(np.divmod(np.array(steps[::-1]), self.shape[1]), axis=1)
-        return resampled(self.origin + (cells + 0.5) * CELL_M) if len(cells) > 1 else None
+        if len(cells) < 2:
+            return None
+        points = self.origin + (cells + 0.5) * CELL_M
+        points[0], points[-1] = start, goal
+        if len(points) > 4:  # smooth the corners of the grid
+            inner = (points[:-2] + 2 * points[1:-1] + points[2:]) / 4
+            points = np.concatenate([points[:1], inner, points[-1:]])
+        return resampled(points)
 
     def _pulled(self, points: Float, room: int) -> Float:
         """Without the corners that a straight walk can skip."""
@@ -191,6 +199,12 @@ class FloorGrid:
             if len(ij)
             else True
         )
+
+
+def comfortable_way(space: SpatialMap, pose: Pose, goal: XY) -> Float | None:
+    """A way to a goal that keeps off obstacles, over known floor where it can, (N, 2) every 0.2 m."""
+    grid = FloorGrid(space, np.array([[pose.x_m, pose.y_m], goal]), ())
+    return grid.loose_walk((pose.x_m, pose.y_m), goal)
 
 
 def resampled(path: Float, step_m: float = STEP_M) -> Float:

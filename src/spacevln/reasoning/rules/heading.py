@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spacevln.core import PlannerContext, View, wrap_angle
 from spacevln.reasoning.rules.grid import FloorGrid
@@ -39,11 +38,11 @@ def reachable_goal(context: PlannerContext, grid: FloorGrid, goal: XY) -> tuple[
     return (float(np.interp(at, arc, loose[:, 0])), float(np.interp(at, arc, loose[:, 1]))), False
 
 
-def bearing_of_way(context: PlannerContext, goal: XY) -> float:
-    """Egocentric direction of the first metre of the way to a goal."""
+def bearing_of_way(context: PlannerContext, grid: FloorGrid, goal: XY) -> float:
+    """Egocentric direction of the first metre of the comfortable way to a goal."""
     pose = context.pose
-    path: NDArray[np.float64] = context.space.path(pose.xy_m, np.array(goal))
-    if len(path) < 2:
+    path = grid.loose_walk((pose.x_m, pose.y_m), goal)
+    if path is None:
         return pose.bearing_rad(*goal)
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
     at = min(LOOK_AHEAD_M, float(arc[-1]))

@@ -55,6 +55,7 @@ class Matcher:
 
     def __init__(self, world: World) -> None:
         self.world = world
+        self._options: dict[tuple[int, int], list[Option]] = {}
         self._named: dict[tuple[str, int], list[tuple[Thing, float]]] = {}
 
     def named(self, phrase: NounPhrase, floor: int) -> list[tuple[Thing, float]]:
@@ -65,8 +66,14 @@ class Matcher:
             self._named[key] = [(thing, value) for thing, value in fits if value > 0]
         return self._named[key]
 
-    def options(self, clause: Clause, leg: Leg, first: bool) -> list[Option]:
-        """Every way in which the clause holds on the leg."""
+    def options(self, clause: Clause, leg: Leg) -> list[Option]:
+        """Every way in which the clause holds on the leg; legs and clauses are kept by the world and the search."""
+        key = (id(leg), id(clause))
+        if key not in self._options:
+            self._options[key] = self._judge(clause, leg)
+        return self._options[key]
+
+    def _judge(self, clause: Clause, leg: Leg) -> list[Option]:
         match clause.type:
             case T.TURN:
                 return self._turn(clause, leg)

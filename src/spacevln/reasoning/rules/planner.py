@@ -204,9 +204,10 @@ class RulePlanner:
             chain, index = (*verified, goal.anchor, *goal.rest), len(verified) - 1
         target, known = reachable_goal(context, world.grids[world.floor], goal.xy)
         fallbacks = goal.fallbacks if known else (*goal.fallbacks, "loose_way")
-        bearing = bearing_of_way(context, target)
+        bearing = bearing_of_way(context, world.grids[world.floor], target)
         view = choose_view(context, bearing)
         state.target = (goal.floor, goal.xy)
+        state.target_way_m = way_length_m(context, goal.xy)
         landmark = "" if following is None else following.cue
         subtask = Subtask(
             chain=chain,

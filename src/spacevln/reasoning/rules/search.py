@@ -95,7 +95,7 @@ def advance(
                 states[j + 1].extend((score + stop_score, leg.length_m, mask, turns) for score, _, mask, turns in kept)
             continue
         states[j + 1].extend((score - SKIP * weight, s, mask, turns) for score, s, mask, turns in kept)
-        for option in matcher.options(clause, leg, first):
+        for option in matcher.options(clause, leg):
             for score, s, mask, turns in kept:
                 if option.s_m < s - SLACK_M or mask & option.crossing or (option.turn >= 0 and turns >> option.turn & 1):
                     continue

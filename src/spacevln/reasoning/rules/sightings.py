@@ -20,7 +20,10 @@ from spacevln.language.nouns_lexicon import OPENINGS, STAIRS
 XY = tuple[float, float]
 SAME_THING_M = 0.6
 SAME_PORTAL_M = 0.75
-LEAST_PORTAL_M = 0.35  # a narrower sight of an opening has no reliable direction
+SAME_UNSURE_PORTAL_M = 1.0
+PRECISE_WIDTH_M = (0.75, 1.3)  # of a doorway whose two jambs were seen
+GUESSED_WIDTH_M = 0.9
+PRECISE_QUALITY = 0.2  # portals under it are guesses and part no rooms
 MAX_SURFACE = 32
 
 
@@ -110,11 +113,24 @@ class Portal:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class Glimpse:
+    """A slanting or partly hidden sight of an opening: where a jamb stands, but not where the threshold runs."""
+
+    category: str
+    attributes: tuple[str, ...]
+    floor: int
+    jamb: XY
+    seen_from: XY
+
+
 class Sightings:
     """Accumulates the sightings of an episode."""
 
     def __init__(self) -> None:
         self.things: list[Thing] = []
+        self._precise: list[Portal] = []
+        self._glimpses: list[Glimpse] = []
         self.portals: list[Portal] = []
 
     def add(self, sightings: Iterable[Sighting], floor: int, seen_from: XY) -> None:
@@ -122,9 +138,10 @@ class Sightings:
         for sighting in sightings:
             category = head_noun(sighting.category)
             if category in OPENINGS:
-                self._add_portal(sighting, category, floor)
+                self._add_portal(sighting, category, floor, seen_from)
             else:
                 self._add_thing(sighting, category, floor, seen_from)
+        self.portals = self._resolved()
 
     def on(self, floor: int) -> tuple[list[Thing], list[Portal]]:
         """Things and portals of a floor."""
@@ -166,21 +183,27 @@ class Sightings:
             )
         )
 
-    def _add_portal(self, sighting: Sighting, category: str, floor: int) -> None:
+    def _add_portal(self, sighting: Sighting, category: str, floor: int, seen_from: XY) -> None:
         x, y, _ = sighting.position_m
         along, width = _threshold(sighting.surface_m)
-        quality = min(width, 1.0) * (1.5 if sighting.is_passage else 1.0) / (1.0 + sighting.distance_m / 4.0)
-        found = None
-        for portal in self.portals:
-            if portal.floor == floor:
-                apart = math.hypot(portal.xy[0] - x, portal.xy[1] - y)
-                if apart <= max(SAME_PORTAL_M, 0.45 * max(width, portal.width_m)):
-                    found = portal
-                    break
+        precise = (
+            width >= PRECISE_WIDTH_M[0]
+            if sighting.is_passage
+            else category == "doorway" and PRECISE_WIDTH_M[0] <= width <= PRECISE_WIDTH_M[1]
+        )
+        if not precise:
+            jamb = min(sighting.surface_m or ((x, y),), key=lambda p: math.dist(p, seen_from))
+            self._glimpses.append(Glimpse(category, sighting.attributes, floor, jamb, seen_from))
+            return
+        quality = (1.5 if sighting.is_passage else 1.0) / (1.0 + sighting.distance_m / 4.0)
+        reach = max(SAME_PORTAL_M if sighting.is_passage else SAME_UNSURE_PORTAL_M, 0.35 * width)
+        found = next(
+            (p for p in self._precise if p.floor == floor and math.dist(p.xy, (x, y)) <= max(reach, 0.35 * p.width_m)), None
+        )
         if found is None:
-            self.portals.append(
+            self._precise.append(
                 Portal(
-                    len(self.portals), category, sighting.attributes, floor, (x, y), along, width, quality, sighting.is_passage
+                    len(self._precise), category, sighting.attributes, floor, (x, y), along, width, quality, sighting.is_passage
                 )
             )
             return
@@ -189,6 +212,33 @@ class Sightings:
             found.category = category
             found.attributes = sighting.attributes or found.attributes
         found.passage = found.passage or sighting.is_passage
+
+    def _resolved(self) -> list[Portal]:
+        """Precise portals, and guesses from glimpses that none of them explains.
+
+        Walls stand square, so precise thresholds give the directions that a threshold can have. A glimpse is slanting: of the two
+        its threshold has the one nearer to the line of sight, and its middle lies half a door beyond the nearer jamb.
+        """
+        portals = list(self._precise)
+        if not portals:
+            return portals
+        square = (
+            math.atan2(
+                sum(math.sin(4 * p.along_rad) * p.quality for p in portals),
+                sum(math.cos(4 * p.along_rad) * p.quality for p in portals),
+            )
+            / 4
+        )
+        for glimpse in self._glimpses:
+            sight = math.atan2(glimpse.jamb[1] - glimpse.seen_from[1], glimpse.jamb[0] - glimpse.seen_from[0])
+            along = square + round((sight - square) / (math.pi / 2)) * math.pi / 2
+            xy = (glimpse.jamb[0] + 0.5 * math.cos(along), glimpse.jamb[1] + 0.5 * math.sin(along))
+            if any(p.floor == glimpse.floor and math.dist(p.xy, xy) < 0.9 + 0.5 * p.width_m for p in portals):
+                continue
+            portals.append(
+                Portal(len(portals), glimpse.category, glimpse.attributes, glimpse.floor, xy, along, GUESSED_WIDTH_M, 0.1)
+            )
+        return portals
 
 
 def _agree(a: tuple[str, ...], b: tuple[str, ...]) -> bool:

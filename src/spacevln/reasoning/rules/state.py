@@ -7,11 +7,13 @@ from dataclasses import dataclass, field
 
 from spacevln.core import Anchor, PlannerContext, Pose, StageEnd
 from spacevln.reasoning.rules.grid import FloorGrid
+from spacevln.reasoning.rules.heading import way_length_m
 from spacevln.reasoning.rules.legs import Node
 from spacevln.reasoning.rules.sightings import XY, Sightings
 from spacevln.reasoning.rules.world import FLOOR_HEIGHT_M, Link, World, build_grid
 
 REACHED_M = 0.7
+LEAST_GAIN_M = 0.6  # a stage that brings its target no nearer than this has failed
 
 
 @dataclass(slots=True)
@@ -26,6 +28,7 @@ class EpisodeState:
     last_pose: tuple[int, Pose] | None = None
     verified: list[Anchor] = field(default_factory=list)
     target: tuple[int, XY] | None = None
+    target_way_m: float = 0.0
     failures: list[tuple[int, XY]] = field(default_factory=list)
 
     def floor_of(self, context: PlannerContext) -> int:
@@ -67,7 +70,8 @@ class EpisodeState:
         aim_floor, aim = self.target
         near = aim_floor == floor and context.pose.distance_m(*aim) <= REACHED_M
         reached = near or context.feedback.end is StageEnd.ARRIVAL
-        if not reached and (context.feedback.record.moved_m < 0.4 or context.feedback.end is StageEnd.BLOCKED):
+        nearer_m = self.target_way_m - way_length_m(context, aim) if aim_floor == floor else LEAST_GAIN_M
+        if not reached and nearer_m < LEAST_GAIN_M:
             self.failures.append(self.target)
         return reached
 
