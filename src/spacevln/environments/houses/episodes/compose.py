@@ -75,7 +75,9 @@ def approach(stretch: Stretch, turn_said: bool = False) -> list[Clause]:
     if leg.length_m > 1.5:
         timed += middle(stretch, first is not None, first is not None and first.form == "turn_down")
     for s, angle in leg.turns:
-        if 0.0 < s < leg.length_m and abs(angle) > CLEAR_TURN_RAD and stretch.chance(0.45):
+        # a later bend needs something said before it, or it would be read as the turn at the start
+        said = any(at < s for at, _ in timed) or abs(leg.first_turn_rad) < math.radians(20)
+        if 0.0 < s < leg.length_m and abs(angle) > CLEAR_TURN_RAD and said and stretch.chance(0.45):
             timed.append((s, turn_clause(stretch, angle, s)))
     if (
         not turn_said

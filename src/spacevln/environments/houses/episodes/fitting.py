@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from scipy.optimize import minimize
 from spacevln.environments.houses.episodes.episode import Split
 from spacevln.environments.houses.episodes.generate import episode_rng, features, pool_of
 from spacevln.environments.houses.episodes.grounds import Grounds
+from spacevln.environments.houses.episodes.realise import realise
 from spacevln.environments.houses.episodes.weights import targets
 from spacevln.environments.houses.house import build_house
 from spacevln.environments.houses.plan import House
@@ -48,21 +50,23 @@ def fit(pools: list[list[dict[str, float]]]) -> dict[str, float]:
     return {name: round(float(w), 3) for name, w in zip(names, theta, strict=True)}
 
 
-def pools(seeds: Iterable[int], split: Split, houses: Callable[[int], House] = build_house) -> list[list[dict[str, float]]]:
-    """Features of every candidate instruction of the houses."""
-    out = []
+def pools(seeds: Iterable[int], houses: Callable[[int], House] = build_house) -> dict[Split, list[list[dict[str, float]]]]:
+    """Features of every candidate instruction of the houses, worded with the phrases of each split."""
+    out: dict[Split, list[list[dict[str, float]]]] = {"dev": [], "test": []}
     for seed in seeds:
         grounds = Grounds(houses(seed))
-        found = pool_of(grounds, split, episode_rng(grounds.house, 0, split))
-        out.append([features(grounds.topology, candidate) for candidate in found])
+        rng = episode_rng(grounds.house, 0, "dev")
+        found = pool_of(grounds, "dev", rng)
+        for split, rows in out.items():
+            worded = [replace(candidate, text=realise(candidate.clauses, split, rng)) for candidate in found]
+            rows.append([features(grounds.topology, candidate) for candidate in worded])
     return out
 
 
 def main() -> None:
     """Fit both splits on house seeds A..B-1 and write them down."""
     first, end = int(sys.argv[1]), int(sys.argv[2])
-    splits: tuple[Split, ...] = ("dev", "test")
-    fitted = {split: fit(pools(range(first, end), split)) for split in splits}
+    fitted = {split: fit(found) for split, found in pools(range(first, end)).items()}
     path = Path(__file__).with_name("weights.json")
     path.write_text(json.dumps(fitted, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
