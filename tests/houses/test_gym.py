@@ -33,8 +33,9 @@ def small_house() -> HousesEnvironment:
 
 @pytest.fixture
 def env():
-    register()
-    env = gymnasium.make("spacevln/Houses-v0", render_mode="rgb_array", environment=small_house, draw=draw)
+    env = gymnasium.make(
+        "spacevln.environments.houses.gym:spacevln/Houses-v0", render_mode="rgb_array", environment=small_house, draw=draw
+    )
     yield env
     env.close()
 

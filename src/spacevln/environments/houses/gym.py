@@ -1,7 +1,8 @@
 """The houses as a Gymnasium environment, ``spacevln/Houses-v0``: a fresh route episode at every reset.
 
->>> import gymnasium
->>> env = gymnasium.make("spacevln/Houses-v0")  # doctest: +SKIP
+Gymnasium 1 loads no plug-ins by itself; importing this module registers the environment, as does naming it::
+
+    gymnasium.make("spacevln.environments.houses.gym:spacevln/Houses-v0")
 """
 
 from __future__ import annotations
@@ -176,8 +177,11 @@ def _values(seen: Observation) -> dict[str, NDArray[Any]]:
 
 
 def register() -> None:
-    """Register ``spacevln/Houses-v0``; called by Gymnasium through the entry point of the package."""
+    """Register ``spacevln/Houses-v0`` with Gymnasium; done when this module is imported, and harmless when repeated."""
     if "spacevln/Houses-v0" not in gymnasium.registry:
         gymnasium.register(
             id="spacevln/Houses-v0", entry_point="spacevln.environments.houses.gym:HousesGym", max_episode_steps=STEP_LIMIT
         )
+
+
+register()
