@@ -175,8 +175,8 @@ def _vacuum_cleaner(k: Kit, look: Look) -> None:
     k.mesh("ring", look.trim, 0.14, 0.03, 0.2, y=-0.24, z=1.06)
 
 
-@kind("stereo", looks(("black", "plain-black", "plain-charcoal"), ("brown wooden", "wood-walnut", "plain-charcoal")))
-def _stereo(k: Kit, look: Look) -> None:
+@kind("speaker", looks(("black", "plain-black", "plain-charcoal"), ("brown wooden", "wood-walnut", "plain-charcoal")))
+def _speaker(k: Kit, look: Look) -> None:
     k.box(look.main, 0.3, 0.32, 1.0)
     for z, r in ((0.26, 0.11), (0.56, 0.11), (0.8, 0.06)):
         k.bar("gloss-silver", r + 0.012, 0.02, y=0.158, z=z, along="y")

@@ -77,7 +77,7 @@ def living_room(s: RoomSpace) -> None:
         s.free_standing("pool table", (0.0, math.pi / 2), spread=0.8)
     if s.room.area > 18 and some(s, 0.3):
         s.against_wall("aquarium", "any")
-    extras = ("potted plant", "floor lamp", "potted plant", "ottoman", "statue", "stereo", "guitar", "fan", "globe", "column")
+    extras = ("potted plant", "floor lamp", "potted plant", "ottoman", "statue", "speaker", "guitar", "fan", "globe", "column")
     s.against_wall("potted plant", "door")
     corner_things(s, extras, 3 if s.room.area > 20 else 2)
     if s.room.area > 24:

@@ -61,7 +61,8 @@ def kitchen(s: RoomSpace) -> None:
 
 
 def _kitchen_row(s: RoomSpace, look: int, metal: int, rows: tuple[tuple[str, ...], ...]) -> list[Item]:
-    sides = sorted(s.sides, key=lambda side: -side.length)
+    # wall without windows first: it takes the refrigerator and the wall cabinets
+    sides = sorted(s.sides, key=lambda side: s.glazed_m(side) - side.length)
     for row, compact in ((row, compact) for row in rows for compact in (False, True)):
         made = [design(name, look if name in _CABINETS else metal, smallest_form(name) if compact else 0) for name in row]
         for order in (made, made[::-1]) if some(s, 0.5) else (made[::-1], made):
@@ -197,7 +198,7 @@ def gym(s: RoomSpace) -> None:
     rect = max(s.room.rects, key=lambda r: r.area)
     for dx in (0.0, 0.8, -0.8):
         s.lay("yoga mat", Pose2(rect.centre[0] + dx, rect.centre[1], 0.0)) if dx == 0.0 or some(s, 0.5) else None
-    corner_things(s, ("fan", "water cooler", "bench", "stereo", "towel rack")[:4], 2)
+    corner_things(s, ("fan", "water cooler", "bench", "speaker", "towel rack")[:4], 2)
     for _ in range(2):
         s.on_wall("mirror", 0.8, "centre", look=1)
     s.on_wall("poster", 1.2)
@@ -225,7 +226,7 @@ def playroom(s: RoomSpace) -> None:
         "exercise ball",
         "globe",
         "potted plant",
-        "stereo",
+        "speaker",
         "stool",
     )
     corner_things(s, names, 4)

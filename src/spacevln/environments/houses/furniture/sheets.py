@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spacevln.core.geometry import Float
 from spacevln.core.sensing import Camera
 from spacevln.environments.houses.furniture.kit import CATALOGUE, design
+from spacevln.environments.houses.furniture.walls import footprint_of
 from spacevln.environments.houses.plan import Floor, House, Item, Rect, Room
 from spacevln.environments.houses.rendering.choice import make_renderer, renderer_info
 from spacevln.environments.houses.rendering.protocol import Drawable
@@ -91,11 +92,28 @@ def room_views(house: House, room: Room, space: Walkable, count: int = 2, camera
     places = [(float(x), float(y)) for x in xs for y in ys if space.is_walkable(float(x), float(y), z, 0.25)]
     chosen: list[tuple[float, float]] = []
     while places and len(chosen) < count:
-        best = max(places, key=lambda p: min([math.dist(p, (cx, cy)), *(math.dist(p, c) for c in chosen)]))
+        best = max(
+            places,
+            key=lambda p: (
+                min([math.dist(p, (cx, cy)), *(math.dist(p, c) for c in chosen)]) - 0.5 * _blocked(house, room, p, (cx, cy))
+            ),
+        )
         chosen.append(best)
         places.remove(best)
     height = z + seen.height_m
     return [View(room.type, look_at((x, y, height), (cx, cy, height)), seen) for x, y in chosen]
+
+
+def _blocked(house: House, room: Room, eye: tuple[float, float], target: tuple[float, float]) -> int:
+    """How many of the nearest points on the way to the target lie in front of something as high as the eye."""
+    tall = [footprint_of(item) for item in house.items if item.room == room.id and item.solid and item.size[2] > 0.8]
+    length = max(math.dist(eye, target), 1e-6)
+    found = 0
+    for reach in (0.3, 0.5, 0.7, 0.9, 1.1):
+        share = min(reach / length, 1.0)
+        x, y = eye[0] + (target[0] - eye[0]) * share, eye[1] + (target[1] - eye[1]) * share
+        found += any(rect.contains(x, y, -0.25) for rect in tall)
+    return found
 
 
 def grid(images: list[Image], columns: int, margin_px: int = 4) -> Image:

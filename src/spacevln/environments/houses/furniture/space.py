@@ -284,6 +284,12 @@ class RoomSpace:
         near = sorted(grid, key=lambda p: (math.hypot(p[0] - cx, p[1] - cy), p))
         return [p for p in near if rect.contains(*p, 0.2)][:60]
 
+    def glazed_m(self, side: Side) -> float:
+        """Width of the windows in a wall [m]."""
+        return sum(
+            o.width_m for o in self.windows if o.along == side.along and abs(side.at - (o.y if side.along == "x" else o.x)) < 0.2
+        )
+
     def on_top(
         self, support: Item | None, category: str, at: float | None = None, back: bool = False, look: int | None = None
     ) -> Item | None:
