@@ -90,9 +90,15 @@ def test_stairs_that_are_traversed_are_arrived_at_on_the_other_floor() -> None:
 
 
 def test_a_wall_between_means_no_arrival() -> None:
-    memory = seen("sofa", (Pose(4.5, 2.6), [thing("sofa", 3.9, 2.8)]))  # in the hallway, the sofa in the bedroom
+    memory = seen("sofa", (START, [thing("sofa", 3.9, 2.8)]), (Pose(4.5, 2.6), []))  # from the bedroom into the hallway
     assert memory.pool()[0].distance_m < ARRIVAL_RADIUS_M[CueKind.SOLID]
     assert not memory.arrived
+
+
+def test_what_stands_before_a_landmark_in_view_does_not_hide_its_arrival() -> None:
+    lamp, here = thing("lamp", 12.0, 4.75), Pose(12.0, 4.1)  # upon or behind the shelf
+    assert seen("lamp", (here, [lamp])).arrived
+    assert not seen("lamp", (Pose(12.0, 3.0), [lamp]), (here, [])).arrived
 
 
 def test_attributes_that_contradict_never_arrive_and_rank_last() -> None:

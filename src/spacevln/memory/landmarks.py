@@ -186,7 +186,8 @@ class LocalLandmarkMemory:
             return self._changed_floor
         if distance > ARRIVAL_RADIUS_M[self.kind]:
             return False
-        return not blocked_by_wall(pose, point, metric_map)
+        in_view = instance.last_image == self._images  # then a chair before the table is no wall
+        return in_view or not blocked_by_wall(pose, point, metric_map)
 
 
 def summarise(pool: LandmarkPool, landmark: str) -> str:
