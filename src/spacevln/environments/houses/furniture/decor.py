@@ -132,7 +132,7 @@ def _flowers(k: Kit, look: Look) -> None:
     k.mesh("flowers", "foliage-leaf", 0.3, 0.3, 0.3, z=0.18)
     for i in range(9):
         a, r = 2.4 * i, 0.03 + 0.012 * i
-        k.ball(look.trim, 0.075, 0.075, 0.06, x=r * np.cos(a), y=r * np.sin(a), z=0.43 - 0.013 * i)
+        k.mesh("blossom", look.trim, 0.075, 0.075, 0.06, x=r * np.cos(a), y=r * np.sin(a), z=0.43 - 0.013 * i)
 
 
 @kind(

@@ -100,7 +100,7 @@ def _telephone(k: Kit, look: Look) -> None:
 def _radiator(k: Kit, look: Look) -> None:
     w = 0.9
     for i in range(12):
-        k.mesh("cushion", look.main, 0.06, 0.11, 0.56, x=(i - 5.5) * 0.072, z=0.1)
+        k.mesh("small cushion", look.main, 0.066, 0.11, 0.56, x=(i - 5.5) * 0.072, z=0.1)
     for z in (0.16, 0.6):
         k.bar(look.main, 0.022, w - 0.04, z=z)
     k.bar("gloss-copper", 0.014, 0.06, x=w / 2, z=0.16)

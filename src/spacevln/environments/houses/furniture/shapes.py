@@ -150,6 +150,8 @@ COLUMN = [(0.0, -1.0), (1.0, -1.0), (1.0, -0.9), (0.78, -0.84), (0.7, 0.84), (0.
 CUSTOM.update(
     {
         "cushion": lambda: superellipsoid(0.35, 14, 7),
+        "small cushion": lambda: superellipsoid(0.45, 8, 4),
+        "blossom": lambda: superellipsoid(1.0, 7, 4),
         "pillow": lambda: superellipsoid(0.7, 12, 6),
         "cone": lambda: lathe([(0, -1), (1, -1), (0, 1)], 12, smooth=False),
         "ring": lambda: torus(0.2, 16, 6),

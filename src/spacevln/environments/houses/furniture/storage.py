@@ -94,8 +94,8 @@ def _shoe_rack(k: Kit, look: Look) -> None:
             stuff = shoes[(i * 3 + j + int(k.rng.integers(5))) % 5]
             for s in (-1, 1):
                 x = (j - 1) * 0.25 + s * 0.05
-                k.mesh("cushion", stuff, 0.085, 0.26, 0.07, x=x, z=z + 0.025)
-                k.mesh("cushion", stuff, 0.08, 0.11, 0.11, x=x, y=-0.07, z=z + 0.03)
+                k.mesh("small cushion", stuff, 0.085, 0.26, 0.07, x=x, z=z + 0.025)
+                k.mesh("small cushion", stuff, 0.08, 0.11, 0.11, x=x, y=-0.07, z=z + 0.03)
 
 
 @kind("coat rack", (*woods("oak", "black", "white"), *looks(("black metal", "gloss-black", "gloss-black"))))
