@@ -14,9 +14,10 @@ from spacevln.mapping.cells import DEPTH_TO_M, HEIGHT_BIN_M
 from spacevln.mapping.floors import LEVEL_M, Floor
 from spacevln.mapping.tiles import TiledLayer
 
-_ON_STAIRS_M = 0.25  # farther from the floor's height, only what is near is written
+ON_STAIRS_M = 0.25  # farther from the floor's height, only what is near is written
 _STAIRS_REACH_M = 1.0
 _TREADS_REACH_M = 1.5  # the next storey's floor is seen beyond the last tread
+_BLIND_M = 1.2
 _SAME_STRIDE_M = 0.6  # a longer way between two frames is not walked over in a straight line
 
 
@@ -76,16 +77,18 @@ class FrameWriter:
         before = seen.copy(), solid.copy()
         rise_m = pose.z_m - floor.z_m
         feet_bins = round(rise_m / HEIGHT_BIN_M)
-        on_stairs, level = abs(rise_m) > _ON_STAIRS_M, abs(rise_m) <= LEVEL_M
+        on_stairs, level = abs(rise_m) > ON_STAIRS_M, abs(rise_m) <= LEVEL_M
         self._stamp(pose, floor, seen, solid)
+        far_m = _STAIRS_REACH_M if on_stairs else DEPTH_TO_M
+        projection.see_floor(self._depth_m, self._view, resolution_m, self._heights, seen, far_m)
         camera_ij = self._view[9] / resolution_m, self._view[10] / resolution_m
         stairs_cells = (_TREADS_REACH_M if on_stairs else 4 * DEPTH_TO_M) / resolution_m
-        if settling.find_stairs(self._heights, seen, ground, feet_bins, not level, camera_ij, stairs_cells):
+        if settling.find_stairs(
+            self._heights, seen, ground, feet_bins, not level, camera_ij, stairs_cells, _BLIND_M / resolution_m
+        ):
             floor.ground.write(i0, j0, ground)
         radius_cells = (_STAIRS_REACH_M if on_stairs else 4 * DEPTH_TO_M) / resolution_m
         settling.settle(self._heights, seen, solid, ground, feet_bins, camera_ij, radius_cells)
-        far_m = _STAIRS_REACH_M if on_stairs else DEPTH_TO_M
-        projection.see_floor(self._depth_m, self._view, resolution_m, self._heights, seen, far_m)
         if level:
             projection.clear_seen_through(self._depth_m, self._view, resolution_m, self._heights, seen, solid)
         self._store(floor, i0, j0, (seen, solid), before)

@@ -15,7 +15,7 @@ from spacevln.mapping.crops import MapCrop, crop_floor
 from spacevln.mapping.floors import Floor, FloorTracker, StairConnector
 from spacevln.mapping.frontiers import find_frontiers
 from spacevln.mapping.geodesics import FreeGrid, GeodesicField
-from spacevln.mapping.integration import FrameWriter, camera_view
+from spacevln.mapping.integration import ON_STAIRS_M, FrameWriter, camera_view
 from spacevln.mapping.stairways import across_floors_m
 from spacevln.mapping.tiles import TiledLayer
 from spacevln.mapping.traces import Trace
@@ -253,22 +253,22 @@ class MetricMap:
         pose, floor, resolution_m = observation.pose, self._floor, self.resolution_m
         angle = pose.yaw_rad + bearing_rad
         direction = math.cos(angle), math.sin(angle)
-        half_width_m = self.agent_radius_m
+        view = camera_view(observation, pose.x_m, pose.y_m)
+        depth_m = np.ascontiguousarray(observation.depth_m, np.float32)
+        seen_m = sectors.depth_distance_m(depth_m, view, direction, self.agent_radius_m, self._treads(pose))
+        if abs(pose.z_m - floor.z_m) > ON_STAIRS_M:
+            return float(min(sectors.DEPTH_REACH_M, seen_m))  # what stands on the floor left behind is over or under the agent
         reach = math.ceil(sectors.MAP_REACH_M / resolution_m) + 1
         i0, j0 = math.floor(pose.x_m / resolution_m) - reach, math.floor(pose.y_m / resolution_m) - reach
-        solid = floor.solid.window(i0, j0, 2 * reach, 2 * reach)
         map_m = resolution_m * sectors.map_distance_cells(
-            solid,
+            floor.solid.window(i0, j0, 2 * reach, 2 * reach),
             pose.x_m / resolution_m - i0,
             pose.y_m / resolution_m - j0,
             *direction,
-            half_width_m / resolution_m,
-            half_width_m / resolution_m,
+            self.agent_radius_m / resolution_m,
+            self.agent_radius_m / resolution_m,
             sectors.MAP_REACH_M / resolution_m,
         )
-        view = camera_view(observation, pose.x_m, pose.y_m)
-        depth_m = np.ascontiguousarray(observation.depth_m, np.float32)
-        seen_m = sectors.depth_distance_m(depth_m, view, direction, half_width_m, self._treads(pose))
         return float(min(sectors.DEPTH_REACH_M, map_m, seen_m))
 
     def _treads(self, pose: Pose) -> tuple[NDArray[np.uint8], NDArray[np.int8], int, float]:

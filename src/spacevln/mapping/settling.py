@@ -6,14 +6,26 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.mapping.cells import BODY, FLOOR_BINS, GROUND_BIN, HEIGHT_BIN_M, HIT, LOWEST_BIN_M, OBSTACLE_BIN, STAIR, UNDER
+from spacevln.mapping.cells import (
+    BODY,
+    FLOOR,
+    FLOOR_BINS,
+    GROUND_BIN,
+    HEIGHT_BIN_M,
+    HIT,
+    LOWEST_BIN_M,
+    OBSTACLE_BIN,
+    STAIR,
+    SWEPT,
+    UNDER,
+)
 
 _STEP_BINS = 4  # 0.20 m, the highest step that is climbed
 _STAIR_JOIN_CELLS = 6  # treads over eye level are not seen: risers are joined over a tread
 _STAIR_MIN_CELLS = 80
-_FLIGHT_SLOPE = (0.35, 1.0)
-_FLIGHT_REST_BINS = 1.5
-_FLIGHT_WIDTH_CELLS = 10
+_FLIGHT_SLOPE = (0.5, 0.95)
+_FLIGHT_REST_BINS = 1.35
+_FLIGHT_WIDTH_CELLS = 12
 TREAD_TOP_BIN = GROUND_BIN + 6  # over a tread, the riser of the next one may share its cell
 
 
@@ -86,6 +98,7 @@ def find_stairs(
     on_stairs: bool,
     camera_ij: tuple[float, float],
     radius_cells: float,
+    blind_cells: float,
 ) -> int:  # pragma: no cover - compiled
     """Flag treads and risers that steps of at most 0.2 m connect with the floor; returns how many cells are new.
 
@@ -98,6 +111,7 @@ def find_stairs(
         feet_bins: height of the feet over the floor [bins].
         on_stairs: the agent already stands on them: a single step on is enough.
         camera_ij, radius_cells: only cells this near are looked at.
+        blind_cells: nearer than this, the foot of a flight lies below the image.
     """
     n_i, n_j = heights.shape
     level = np.full((n_i, n_j), -1, np.int8)
@@ -114,10 +128,13 @@ def find_stairs(
     new = 0
     for i in range(2, n_i - 2):
         for j in range(2, n_j - 2):
-            if level[i, j] < 0 or not _reached(heights, seen, ground, feet_bins, level[i, j], i, j):
+            blind = (i + 0.5 - camera_ij[0]) ** 2 + (j + 0.5 - camera_ij[1]) ** 2 <= blind_cells * blind_cells
+            hidden_foot = blind and not on_stairs and 0 <= level[i, j] <= GROUND_BIN + rise_bins
+            if level[i, j] < 0 or not (hidden_foot or _reached(heights, seen, ground, feet_bins, level[i, j], i, j)):
                 continue
             end, highest = _climb(level, queue, i, j)
-            even = on_stairs or (end >= _STAIR_MIN_CELLS and _is_flight(level, queue, end))
+            enough = end >= (2 if hidden_foot else 1) * _STAIR_MIN_CELLS
+            even = on_stairs or (enough and _is_flight(level, queue, end))
             if even and highest >= GROUND_BIN + rise_bins:
                 for k in range(end):
                     a, b = queue[k, 0], queue[k, 1]
@@ -147,7 +164,7 @@ def _reached(
                     return True
             elif level <= GROUND_BIN + _STEP_BINS:
                 bits = np.int64(heights[a, b])
-                if (bits & FLOOR_BINS != 0 and bits >> OBSTACLE_BIN == 0) or seen[a, b] & BODY != 0:
+                if (bits & FLOOR_BINS != 0 and bits >> OBSTACLE_BIN == 0) or seen[a, b] & (FLOOR | SWEPT | BODY) != 0:
                     return True
     return False
 
@@ -174,11 +191,13 @@ def _is_flight(level: NDArray[np.int8], queue: NDArray[np.int32], count: int) ->
     rest = (s_hh - g_i * s_ih - g_j * s_jh) / count
     if not (_FLIGHT_SLOPE[0] <= slope <= _FLIGHT_SLOPE[1]) or rest > _FLIGHT_REST_BINS**2:
         return False
-    low, high = np.inf, -np.inf
+    low, high, off = np.inf, -np.inf, 0
     for k in range(count):
+        i, j = queue[k, 0], queue[k, 1]
+        off += abs(-level[i, j] - 2.0 - mean[2] - g_i * (i - mean[0]) - g_j * (j - mean[1])) > 3.0
         across = (queue[k, 1] * g_i - queue[k, 0] * g_j) / slope
         low, high = min(low, across), max(high, across)
-    return bool(high - low >= _FLIGHT_WIDTH_CELLS)
+    return bool(high - low >= _FLIGHT_WIDTH_CELLS and off <= 0.03 * count)
 
 
 @numba.njit(cache=True)
