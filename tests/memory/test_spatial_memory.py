@@ -227,3 +227,10 @@ def test_the_rendered_map_is_agent_centred_heading_up_with_region_colours() -> N
     grey = np.array([238, 239, 243])
     unknown = [(np.abs(part.astype(int) - grey) < 3).all(axis=-1).mean() for part in (facing_east[:180], facing_west[:180])]
     assert unknown[0] > unknown[1] + 0.1  # the house lies to the west of the living room
+
+
+def test_places_without_a_name_are_numbered_by_themselves() -> None:
+    names = ("", "bedroom", "", "bedroom")
+    walk = tuple((pose, name) for (pose, _), name in zip((WALK[0], WALK[1], WALK[3], WALK[5]), names, strict=True))
+    labels = [region.label for region in remembered(house(), walk).hierarchical.regions.all]
+    assert labels == ["unknown place 1", "bedroom 1", "unknown place 2", "bedroom 2"]

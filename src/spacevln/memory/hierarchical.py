@@ -16,7 +16,7 @@ from spacevln.memory.arrange import arrange
 from spacevln.memory.graph import Edge, WaypointGraph
 from spacevln.memory.metric import MemoryMap
 from spacevln.memory.region_raster import region_raster
-from spacevln.memory.regions import Region, Regions
+from spacevln.memory.regions import UNKNOWN_PLACE, Region, Regions
 from spacevln.memory.rendering import render_map
 from spacevln.memory.serialize import serialize
 from spacevln.memory.thresholds import Thresholds
@@ -126,7 +126,7 @@ class HierarchicalSpatialMemory:
         return EgocentricMemory(
             pose=pose,
             floor=floor,
-            region=here.type if here else "",
+            region=here.type if here and here.type != UNKNOWN_PLACE else "",
             waypoints=arranged,
             chain=self.chain,
             text=serialize(self, pose, floor, arranged, frontiers),

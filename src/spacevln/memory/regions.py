@@ -21,6 +21,7 @@ from spacevln.memory.metric import MemoryMap
 from spacevln.memory.thresholds import Threshold, Thresholds, crossing_m
 
 CELL_M = 0.1
+UNKNOWN_PLACE = "unknown place"  # type of what the planner gave no name
 SUPPORT_RADIUS_M = 3.0  # [ours; authors' code 2 m]
 SEED_RADIUS_M = 0.5  # the floor around a waypoint always belongs to it
 GROWTH_M = 1.0  # into floor that furniture hides from the waypoint itself
@@ -232,12 +233,12 @@ class Regions:
         regions: list[Region] = []
         self._of = [0] * len(waypoints)
         for members in groups:
-            kind = waypoints[members[0]].region or "unknown place"
+            kind = _type_of(waypoints[members[0]])
             used = taken.setdefault(kind, set())
             had = [self._numbers[index] for index in members if index < len(self._numbers)]
             number = min((n for n in had if n not in used), default=0)
             if not number:
-                reserved = used | {n for index, n in enumerate(self._numbers) if (waypoints[index].region or kind) == kind}
+                reserved = used | {n for index, n in enumerate(self._numbers) if _type_of(waypoints[index]) == kind}
                 number = next(n for n in range(1, len(waypoints) + 2) if n not in reserved)
             used.add(number)
             for index in members:
@@ -245,6 +246,10 @@ class Regions:
             regions.append(Region(f"{kind} {number}", kind, waypoints[members[0]].floor, tuple(members)))
         self._regions = tuple(regions)
         self._numbers = [int(self.of(index).label.rsplit(" ", 1)[1]) for index in range(len(waypoints))]
+
+
+def _type_of(waypoint: SpatialWaypoint) -> str:
+    return waypoint.region or UNKNOWN_PLACE
 
 
 def _near_pairs(waypoints: Sequence[SpatialWaypoint]) -> list[tuple[int, int]]:
