@@ -40,12 +40,14 @@ def describe(topology: Topology, route: Route, rng: np.random.Generator, detail:
     """
     clauses: list[Clause] = []
     last = len(route.legs) - 1
+    said: list[Clause] = []
     for index in range(len(route.legs)):
         stretch = Stretch(topology, route, index, rng, detail)
         if index < last:
-            clauses += crossing_stretch(stretch, clauses)
+            said = crossing_stretch(stretch, clauses)
+            clauses += said
             continue
-        final = ending(stretch, clauses)
+        final = ending(stretch, said)
         if final is None:
             return None
         named = {noun for clause in final for noun in clause.nouns}
@@ -202,7 +204,7 @@ def pass_clause(stretch: Stretch, passed: Passed, item: Item) -> Clause:
         (0.14, lambda: make.toward(thing, rng)) if passed.distance_m < 1.5 else (1e-9, lambda: make.past(thing)),
     ]
     if abs(stretch.leg.first_turn_rad) < SIDE_LOW or passed.s_m > 2.0:
-        options.append((0.22, lambda: make.straight_past(thing)))
+        options.append((0.45, lambda: make.straight_past(thing)))
     if passed.side:
         options += [
             (0.1, lambda: make.past_side(thing, passed.side)),

@@ -36,8 +36,8 @@ def cross(stretch: Stretch) -> Clause:
             (weight * 0.1, lambda: make.leave_into(here, there, rng)),
         ]
     if abs(leg.first_turn_rad) < math.radians(30) and abs(leg.exit_turn_rad) < math.radians(35):
-        options.append((0.25, lambda: make.straight_through(portal, rng)))
-        options.append((0.15, lambda: make.straight_into(there, rng)))
+        options.append((0.45, lambda: make.straight_through(portal, rng)))
+        options.append((0.4, lambda: make.straight_into(there, rng)))
     turned = leg.exit_turn_rad if leg.length_m > 1.1 else leg.first_turn_rad
     if CLEAR_TURN_RAD < abs(turned) < math.radians(140):
         options.append((0.12, lambda: make.turn_into(turned, there, rng)))

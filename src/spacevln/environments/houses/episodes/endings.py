@@ -17,7 +17,12 @@ Options = list[tuple[float, Callable[[], Ending]]]
 
 
 def ending(stretch: Stretch, before: list[Clause]) -> Ending | None:
-    """The last clauses: a stop condition that holds at the route's end, or None when there is none."""
+    """The last clauses: a stop condition that holds at the route's end, or None when there is none.
+
+    Args:
+        stretch: the last leg.
+        before: the clauses of the leg before; empty when the last doorway was not mentioned.
+    """
     end = stretch.route.end
     entered = bool(before) and any(isinstance(atom, Cross) and not atom.climb for atom in before[-1].atoms)
     options: Options = []

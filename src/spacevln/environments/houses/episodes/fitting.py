@@ -24,7 +24,7 @@ from spacevln.environments.houses.house import build_house
 from spacevln.environments.houses.plan import House
 
 Float = NDArray[np.float64]
-_STEADY = 0.02  # pull of the weights towards zero, per house
+_STEADY = 0.04  # pull of the weights towards zero, per house
 
 
 def fit(pools: list[list[dict[str, float]]]) -> dict[str, float]:

@@ -76,7 +76,8 @@ def _breaks(pieces: list[str], rng: np.random.Generator) -> list[bool]:
     run = 1
     for k in range(len(pieces) - 1):
         follows = pieces[k + 1]
-        forced = run >= 4 or "," in follows or follows.startswith(("you ", "there "))
+        told = ("you ", "there ")
+        forced = run >= 4 or "," in follows or follows.startswith(told) or pieces[k].startswith(told)
         stop = bool(forced or rng.random() < p)
         out.append(stop)
         run = 1 if stop else run + 1
@@ -88,7 +89,7 @@ def _joined(pieces: list[str], breaks: list[bool], rng: np.random.Generator) -> 
     for k, stop in enumerate(breaks):
         following = pieces[k + 1]
         if stop:
-            text += ". " + ("then " if rng.random() < 0.03 else "") + following
+            text += ". " + ("then " if rng.random() < 0.03 and not following.startswith(("you ", "there ")) else "") + following
             continue
         last = k + 1 == len(breaks) or breaks[k + 1]
         if last:

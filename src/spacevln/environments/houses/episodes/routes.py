@@ -18,8 +18,8 @@ EndKind = Literal["item", "entry", "doorway", "before", "landing", "stairs", "en
 _END_WEIGHTS: dict[EndKind, float] = {
     "item": 2.4,
     "entry": 1.6,
-    "doorway": 1.2,
-    "before": 2.0,
+    "doorway": 0.9,
+    "before": 3.0,
     "landing": 2.0,
     "stairs": 1.2,
     "end": 0.6,
