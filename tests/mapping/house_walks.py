@@ -9,11 +9,13 @@ from itertools import pairwise
 
 import mujoco
 import numpy as np
+from scipy import ndimage
 
 from spacevln.core import Camera, Observation, Pose
 from spacevln.environments.houses.environment import Place, load_place
 from spacevln.environments.houses.geodesics import Geodesics
 from spacevln.environments.houses.rendering import make_renderer, renderer_info
+from spacevln.environments.houses.walkable import Walkable
 from spacevln.mapping import MetricMap
 
 CAMERA = Camera(640, 480, 79.0, 0.88)
@@ -71,7 +73,7 @@ def walk_house(seed: int, floor: int = 0, rooms: int = 20) -> Walk:
     return walk
 
 
-def _poses(geodesics: Geodesics, walkable, targets: list, yaw: float) -> Iterator[Pose]:
+def _poses(geodesics: Geodesics, walkable: Walkable, targets: list[tuple[float, float, float]], yaw: float) -> Iterator[Pose]:
     at = targets[0]
     since = math.inf
     for target in targets:
@@ -105,6 +107,7 @@ class Truth:
     origin: np.ndarray
     solid: np.ndarray
     distance_m: np.ndarray
+    inside_m: np.ndarray
 
     def at(self, grid: np.ndarray, xy: np.ndarray) -> np.ndarray:
         ij = np.clip(np.floor((xy - self.origin) / TRUTH_M).astype(int), 0, np.array(grid.shape) - 1)
@@ -113,8 +116,6 @@ class Truth:
 
 def truth_of(place: Place, floor: int = 0) -> Truth:
     """Sample the triangles of the scene, and add the footprints of walls and furniture, whose insides have no surface."""
-    from scipy import ndimage
-
     model = place.drawable.model
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -123,7 +124,7 @@ def truth_of(place: Place, floor: int = 0) -> Truth:
     origin = np.array(space.origin_m) - 1.0
     shape = tuple(np.ceil((np.array(space.clearance_m.shape) * 0.05 + 2.0) / TRUTH_M).astype(int))
     solid = np.zeros(shape, bool)
-    for points in _surface_points(model, data):
+    for points in _surface_points(model, data, z0 + 0.15, z0 + 1.30):
         points = points[(points[:, 2] >= z0 + 0.15) & (points[:, 2] <= z0 + 1.30)]
         ij = np.floor((points[:, :2] - origin) / TRUTH_M).astype(int)
         ij = ij[((ij >= 0) & (ij < shape)).all(axis=1)]
@@ -134,16 +135,19 @@ def truth_of(place: Place, floor: int = 0) -> Truth:
         solid |= (np.abs(c * dx + s * dy) <= hx) & (np.abs(c * dy - s * dx) <= hy)
     for x, y, radius in space.discs:
         solid |= np.hypot(centres[..., 0] - x, centres[..., 1] - y) <= radius
-    return Truth(origin, solid, ndimage.distance_transform_edt(~solid) * TRUTH_M)
+    outside, inside = (ndimage.distance_transform_edt(grid) * TRUTH_M for grid in (~solid, solid))
+    return Truth(origin, solid, outside, inside)
 
 
-def _surface_points(model, data) -> Iterator[np.ndarray]:
+def _surface_points(model: mujoco.MjModel, data: mujoco.MjData, low: float, high: float) -> Iterator[np.ndarray]:
     for geom in range(model.ngeom):
         mesh = model.geom_dataid[geom]
         start, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
         vertices = model.mesh_vert[start : start + count] @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
         start, count = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
-        for a, b, c in vertices[model.mesh_face[start : start + count]]:
+        triangles = vertices[model.mesh_face[start : start + count]]
+        within = (triangles[..., 2].max(axis=1) >= low) & (triangles[..., 2].min(axis=1) <= high)
+        for a, b, c in triangles[within]:
             n = math.ceil(max(np.linalg.norm(b - a), np.linalg.norm(c - a), np.linalg.norm(c - b)) / 0.012) + 1
             u, v = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
             keep = u + v <= 1.0001
@@ -200,14 +204,7 @@ def visible_floor(walk: Walk, truth: Truth, per_frame: int, rng: np.random.Gener
                 continue
             if walk.place.ground.clearance_m(x, y, pose.z_m) <= 0:
                 continue
-            hit = (
-                mujoco.mj_ray(model, data, origin, ray, None, 1, -1, geom, None)
-                if _RAY_NORMAL
-                else mujoco.mj_ray(model, data, origin, ray, None, 1, -1, geom)
-            )
+            hit = mujoco.mj_ray(model, data, origin, ray, None, 1, -1, geom)
             if hit < 0 or hit > 0.998:
                 found.append(cell)
     return np.unique(np.array(found), axis=0)
-
-
-_RAY_NORMAL = "normal" in (mujoco.mj_ray.__doc__ or "")

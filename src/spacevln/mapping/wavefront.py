@@ -22,7 +22,7 @@ _EXACT_CELLS = 10  # around the start, straight distances replace the grid's
 def passable(
     seen: NDArray[np.uint8], solid: NDArray[np.uint8], free_flags: int, radius_cells: float
 ) -> Any:  # pragma: no cover - compiled
-    """1 where the centre of the body may be: known free, no obstacle's cell centre within the radius. The rim is 0."""
+    """1 where the centre of the body may be: known free, no obstacle's cell centre nearer than the radius. The rim is 0."""
     n_i, n_j = seen.shape
     out = np.zeros((n_i, n_j), np.uint8)
     for i in range(1, n_i - 1):
@@ -36,7 +36,7 @@ def passable(
                 continue
             for a in range(max(0, i - reach), min(n_i, i + reach + 1)):
                 for b in range(max(0, j - reach), min(n_j, j + reach + 1)):
-                    if (a - i) ** 2 + (b - j) ** 2 <= radius_cells * radius_cells:
+                    if (a - i) ** 2 + (b - j) ** 2 < radius_cells * radius_cells - 1e-6:
                         out[a, b] = 0
     return out
 
