@@ -12,7 +12,7 @@ _OBJECT_GROUPS = """
 sofa: couch, loveseat, love seat, settee, sectional, couches, sofas, sectional sofa, sofa bed
 armchair: arm chair, easy chair, wingback chair, accent chair, lounge chair, club chair
 recliner: recliner chair
-chair: seat, seats
+chair: seat, seats, armchair, recliner, rocking chair
 dining chair: kitchen chair, dining room chair
 office chair: desk chair, swivel chair
 rocking chair: rocker
@@ -43,7 +43,7 @@ filing cabinet: file cabinet
 china cabinet: display cabinet, display case, glass cabinet, hutch, glass display case
 sideboard: buffet, credenza
 bookshelf: bookcase, book shelf, book case, bookshelves, bookcases, bookshelving
-shelf: shelves, shelving, shelving unit, wall shelf, rack
+shelf: shelves, shelving, shelving unit, wall shelf, rack, bookshelf
 pantry shelf: food shelf
 shoe rack: shoe shelf
 coat rack: coat stand, coat hanger, coat hooks
@@ -66,7 +66,9 @@ range hood: extractor hood
 blender
 kitchen island: island, center island, centre island, kitchen bar island
 counter: countertop, counter top, counters, kitchen counter, bar counter, breakfast bar, bar, bar area
-sink: washbasin, basin, wash basin, kitchen sink, bathroom sink, sinks
+sink: washbasin, basin, wash basin, sinks
+kitchen sink
+bathroom sink
 bathroom cabinet: medicine cabinet
 vanity: bathroom vanity, sink vanity, vanity unit
 vanity table: dressing table, makeup table
@@ -87,15 +89,18 @@ iron
 drying rack: clothes horse
 water heater: boiler
 mirror: mirrors, looking glass
-painting: picture, paintings, pictures, artwork, art, photo, photos, photograph, portrait, poster, framed picture, wall art
+painting: picture, paintings, pictures, artwork, art, photo, photos, photograph, portrait, framed picture, wall art
+poster: posters
 clock: wall clock
 grandfather clock
 alarm clock
-lamp: table lamp, lamps, light fixture
+lamp: lamps, light fixture
+table lamp: bedside lamp
 floor lamp: standing lamp
 desk lamp: reading lamp
 chandelier: hanging light, pendant lamp, pendant light, ceiling lamp, ceiling light
-ceiling fan: fan
+ceiling fan
+fan: standing fan, pedestal fan
 light switch
 plant: potted plant, house plant, houseplant, plants, tree, palm, potted tree, ficus, plant pot, planter
 flowers: flower, bouquet, flower pot
@@ -104,7 +109,7 @@ candle: candles, candlestick
 book: books
 basket: wicker basket
 rug: carpet, area rug, rugs, carpets, mat
-runner: carpet runner, hall rug
+runner: runner rug, carpet runner, hall rug
 doormat: door mat, welcome mat
 yoga mat: exercise mat
 curtain: curtains, drapes, drape, blinds
@@ -128,6 +133,11 @@ whiteboard: white board, blackboard, chalkboard
 telephone: phone
 speaker: loudspeaker, speakers
 radio
+stereo: stereo system, hi-fi
+radiator: heater
+water cooler: water dispenser
+calendar: wall calendar
+dartboard: dart board
 game console
 arcade machine: arcade game
 treadmill: running machine, treadmills

@@ -131,7 +131,8 @@ REGION_CUES = MappingProxyType(
             "toilet": 7.0,
             "bathtub": 6.0,
             "shower": 6.0,
-            "sink": 2.0,
+            "sink": 1.5,
+            "bathroom sink": 5.0,
             "towel": 2.0,
             "towel rack": 2.0,
             "bidet": 6.0,
@@ -157,7 +158,8 @@ REGION_CUES = MappingProxyType(
             "range hood": 3.0,
             "kitchen cabinet": 3.0,
             "coffee maker": 2.0,
-            "sink": 1.0,
+            "sink": 0.7,
+            "kitchen sink": 5.0,
             "bar stool": 1.0,
             "fruit bowl": 0.7,
             "pot": 1.0,
@@ -220,7 +222,7 @@ REGION_CUES = MappingProxyType(
             "shoes": 1.0,
         },
         "pantry": {"food shelf": 4.0, "jar": 1.5, "can": 1.0, "pantry shelf": 5.0},
-        "mudroom": {"coat rack": 2.0, "shoe rack": 2.0, "umbrella stand": 1.5, "boots": 2.0},
+        "mudroom": {"coat rack": 0.8, "shoe rack": 0.8, "umbrella stand": 0.8, "boots": 2.0},
         "garage": {
             "car": 8.0,
             "workbench": 4.0,
@@ -282,7 +284,7 @@ REGION_CUES = MappingProxyType(
         "conference room": {"conference table": 5.0, "whiteboard": 2.0},
         "dressing room": {"vanity table": 2.0, "clothes rack": 1.0},
         "storage": {"cardboard box": 2.0, "box": 1.0, "storage rack": 3.0, "crate": 1.5, "broom": 1.5, "vacuum cleaner": 1.0},
-        "hallway": {"console table": 1.0, "coat rack": 1.0, "umbrella stand": 1.0, "runner": 1.0, "shoe rack": 0.5},
+        "hallway": {"console table": 2.0, "coat rack": 1.5, "umbrella stand": 1.5, "runner": 2.5, "shoe rack": 1.0, "bench": 0.7},
     }
 )
 

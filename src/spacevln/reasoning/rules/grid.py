@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, label
+from scipy.ndimage import binary_closing, distance_transform_edt, gaussian_filter, label
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
@@ -29,9 +29,10 @@ class FloorGrid:
         space: the metric map of that storey, asked once.
         points: (N, 2) places that bound what is known.
         portals: whose thresholds part the rooms.
+        trodden: places where the body stood: free, though the camera never saw them.
     """
 
-    def __init__(self, space: SpatialMap, points: Float, portals: Sequence[Portal]) -> None:
+    def __init__(self, space: SpatialMap, points: Float, portals: Sequence[Portal], trodden: Sequence[XY] = ()) -> None:
         low = np.floor((points.min(axis=0) - MARGIN_M) / CELL_M).astype(int)
         high = np.ceil((points.max(axis=0) + MARGIN_M) / CELL_M).astype(int)
         self.origin = low * CELL_M
@@ -40,6 +41,11 @@ class FloorGrid:
         centres = self.origin + (np.stack([ii.ravel(), jj.ravel()], axis=1) + 0.5) * CELL_M
         self.free = np.asarray(space.is_free(centres)).reshape(self.shape)
         self.obstacle = np.asarray(space.is_obstacle(centres)).reshape(self.shape)
+        self.free = (self.free | np.asarray(binary_closing(self.free, np.ones((3, 3), np.bool_)))) & ~self.obstacle
+        for i, j in (self.cell((float(x), float(y))) for x, y in trodden):
+            self.free[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] |= ~self.obstacle[
+                max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2
+            ]
         cut = self.free.copy()
         for portal in portals:
             if portal.quality >= PRECISE_QUALITY:
@@ -201,9 +207,19 @@ class FloorGrid:
         )
 
 
+def square_rad(space: SpatialMap, pose: Pose, reach_m: float = 5.0) -> float:
+    """Direction of the walls around a pose, modulo a right angle, from the edges of the known obstacles."""
+    axis = np.arange(-reach_m, reach_m, 0.1)
+    xx, yy = np.meshgrid(pose.x_m + axis, pose.y_m + axis, indexing="ij")
+    solid = np.asarray(space.is_obstacle(np.stack([xx.ravel(), yy.ravel()], axis=1))).reshape(xx.shape)
+    gx, gy = np.gradient(gaussian_filter(solid.astype(np.float64), 1.5))
+    angle, weight = np.arctan2(gy, gx), gx**2 + gy**2
+    return math.atan2(float((weight * np.sin(4 * angle)).sum()), float((weight * np.cos(4 * angle)).sum())) / 4
+
+
 def comfortable_way(space: SpatialMap, pose: Pose, goal: XY) -> Float | None:
     """A way to a goal that keeps off obstacles, over known floor where it can, (N, 2) every 0.2 m."""
-    grid = FloorGrid(space, np.array([[pose.x_m, pose.y_m], goal]), ())
+    grid = FloorGrid(space, np.array([[pose.x_m, pose.y_m], goal]), (), ((pose.x_m, pose.y_m),))
     return grid.loose_walk((pose.x_m, pose.y_m), goal)
 
 

@@ -76,7 +76,7 @@ class Matcher:
     def _judge(self, clause: Clause, leg: Leg) -> list[Option]:
         match clause.type:
             case T.TURN:
-                return self._turn(clause, leg)
+                return [*self._turn(clause, leg), *self._branch(clause, leg)]
             case T.TURN_AROUND:
                 return [Option(0.0, WEIGHT[T.TURN_AROUND])] if abs(leg.turns[0][1]) > math.radians(95) else []
             case T.STRAIGHT:
@@ -97,6 +97,16 @@ class Matcher:
                 return []
         return []
 
+    def _branch(self, clause: Clause, leg: Leg) -> list[Option]:
+        """ "Take the second left" is a way out of the space, counted on its side."""
+        if not clause.ordinal or leg.kind != "cross" or leg.portal is None:
+            return []
+        side, number = self.ordinal(leg, leg.portal)
+        if side and side != clause.side or not side and not self.lies(leg, leg.portal, clause.side):
+            return []
+        agree = 1.3 if number == clause.ordinal else 0.7 if number == 0 and clause.ordinal in (1, -1) else 0.2
+        return [Option(leg.length_m, WEIGHT[T.TURN] * agree, THROUGH)]
+
     def _turn(self, clause: Clause, leg: Leg) -> list[Option]:
         found = []
         for index, (s, angle) in enumerate(leg.turns):
@@ -107,8 +117,7 @@ class Matcher:
             if clause.place is not None:
                 beside = self._beside(clause.place, leg, s)
                 score *= 1.0 if beside else 0.45
-            if clause.ordinal and leg.portal is not None and leg.kind == "cross" and s >= leg.length_m - 1e-6:
-                score *= 1.2 if self.ordinal(leg, leg.portal) in ((clause.side, clause.ordinal), (clause.side, 0)) else 0.5
+            score *= 0.4 if clause.ordinal else 1.0
             found.append(Option(s, score, turn=index))
         return found
 

@@ -55,7 +55,7 @@ def find_object(context: PlannerContext, world: World, goal: str, state: Episode
 def _seen_instance(context: PlannerContext, world: World, goal: str, state: EpisodeState) -> Quest | None:
     best: tuple[float, Quest] | None = None
     for thing in world.sightings.things:
-        verdict = fit(goal, thing.category, thing.attributes)
+        verdict = None if not goal else fit(goal, thing.category, thing.attributes)
         if thing.floor != world.floor or verdict is None or verdict.value < 0.5:
             continue
         floor, room = world.room_of_thing[thing.id]

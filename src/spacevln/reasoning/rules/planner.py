@@ -24,6 +24,7 @@ from spacevln.core import (
 )
 from spacevln.language import Clause, cue_kind, known_categories, norm, region_kind
 from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, reachable_goal, way_length_m
+from spacevln.reasoning.rules.matching import WEIGHT
 from spacevln.reasoning.rules.object_goal import find_object
 from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses
 from spacevln.reasoning.rules.search import Hypothesis, Search
@@ -35,6 +36,8 @@ from spacevln.reasoning.rules.world import World
 ARRIVED_M = 0.8
 WALK_COST_PER_M = 0.02
 FAILURE_COST = 0.8
+LEAST_AGREEMENT = 0.3  # of the clauses' weights, that a stop place must have while steps are left to look on
+LAST_STEPS = 45
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,8 +122,11 @@ class RulePlanner:
         clauses = self._clauses or ()
         search = Search(world, clauses)
         hypotheses = search.run(self._state.start_node(world))
+        least = LEAST_AGREEMENT * sum(WEIGHT[clause.type] for clause in clauses)
+        if context.steps_left >= LAST_STEPS:
+            hypotheses = [h for h in hypotheses if h.value >= least or not h.complete]
         if not hypotheses:
-            return self._lost(context, world, final_anchor(clauses))
+            return self._explore(context, world, clauses)
         distinct: dict[tuple[object, ...], Hypothesis] = {}
         for hypothesis in hypotheses:  # best first: the best trail to each goal stands for it
             distinct.setdefault(
@@ -128,6 +134,15 @@ class RulePlanner:
             )
         best = max(list(distinct.values())[:12], key=lambda h: (self._worth(context, h), -h.value))
         return self._goal_of(best, clauses, world)
+
+    def _explore(self, context: PlannerContext, world: World, clauses: tuple[Clause, ...]) -> Goal:
+        """No trail fits what is known: the most promising unseen place."""
+        final = final_anchor(clauses)
+        found = find_object(context, world, "", self._state)
+        if found is None:
+            return self._lost(context, world, final)
+        anchor = Anchor(found.space, region_kind(found.space) if not found.stairs else SpaceKind.FLOOR_TRANSITION)
+        return Goal(found.xy, found.floor, anchor, (final,), False, found.reason, ("explore",))
 
     def _worth(self, context: PlannerContext, hypothesis: Hypothesis) -> float:
         if hypothesis.floor != self._state.floor_of(context):
@@ -138,6 +153,9 @@ class RulePlanner:
 
     def _goal_of(self, best: Hypothesis, clauses: tuple[Clause, ...], world: World) -> Goal:
         final = final_anchor(clauses)
+        if best.complete and best.thing is None and final.cue:
+            region = world.region(best.floor, best.trail.node.room)
+            final = Anchor(region or "end of the route", region_kind(region) if region else SpaceKind.UNKNOWN)
         score = f"agreement {best.value:.2f}"
         if best.complete:
             return Goal(best.goal, best.floor, final, (), True, f"the stop place is seen ({score})")

@@ -133,15 +133,15 @@ class Sightings:
         self._glimpses: list[Glimpse] = []
         self.portals: list[Portal] = []
 
-    def add(self, sightings: Iterable[Sighting], floor: int, seen_from: XY) -> None:
-        """Take in lifted detections made on a floor from a place."""
+    def add(self, sightings: Iterable[Sighting], floor: int, seen_from: XY, square_rad: float) -> None:
+        """Take in lifted detections made on a floor from a place; walls run along ``square_rad`` and across it."""
         for sighting in sightings:
             category = head_noun(sighting.category)
             if category in OPENINGS:
                 self._add_portal(sighting, category, floor, seen_from)
             else:
                 self._add_thing(sighting, category, floor, seen_from)
-        self.portals = self._resolved()
+        self.portals = self._resolved(square_rad)
 
     def on(self, floor: int) -> tuple[list[Thing], list[Portal]]:
         """Things and portals of a floor."""
@@ -213,22 +213,17 @@ class Sightings:
             found.attributes = sighting.attributes or found.attributes
         found.passage = found.passage or sighting.is_passage
 
-    def _resolved(self) -> list[Portal]:
+    def _resolved(self, square_rad: float) -> list[Portal]:
         """Precise portals, and guesses from glimpses that none of them explains.
 
         Walls stand square, so precise thresholds give the directions that a threshold can have. A glimpse is slanting: of the two
         its threshold has the one nearer to the line of sight, and its middle lies half a door beyond the nearer jamb.
         """
         portals = list(self._precise)
-        if not portals:
-            return portals
-        square = (
-            math.atan2(
-                sum(math.sin(4 * p.along_rad) * p.quality for p in portals),
-                sum(math.cos(4 * p.along_rad) * p.quality for p in portals),
-            )
-            / 4
-        )
+        square = square_rad
+        if portals:
+            sine = sum(math.sin(4 * p.along_rad) * p.quality for p in portals)
+            square = math.atan2(sine, sum(math.cos(4 * p.along_rad) * p.quality for p in portals)) / 4
         for glimpse in self._glimpses:
             sight = math.atan2(glimpse.jamb[1] - glimpse.seen_from[1], glimpse.jamb[0] - glimpse.seen_from[0])
             along = square + round((sight - square) / (math.pi / 2)) * math.pi / 2

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from spacevln.core import Anchor, PlannerContext, Pose, StageEnd
-from spacevln.reasoning.rules.grid import FloorGrid
+from spacevln.reasoning.rules.grid import FloorGrid, square_rad
 from spacevln.reasoning.rules.heading import way_length_m
 from spacevln.reasoning.rules.legs import Node
 from spacevln.reasoning.rules.sightings import XY, Sightings
@@ -51,7 +51,9 @@ class EpisodeState:
             self.links.append(Link(self.last_pose[0], (before.x_m, before.y_m), floor, here, yaw))
         self.last_pose = (floor, pose)
         self.visited.append((floor, here))
-        self.sightings.add((sighting for view in context.views for sighting in view.sightings), floor, here)
+        self.sightings.add(
+            (sighting for view in context.views for sighting in view.sightings), floor, here, square_rad(context.space, pose)
+        )
         frontiers = context.memory.frontiers if context.memory is not None else ()
         self.grids[floor] = build_grid(context.space, self.sightings, pose, self.visited, frontiers, floor)
         return World(self.sightings, self.grids, frontiers, floor, self.links, self.visited)

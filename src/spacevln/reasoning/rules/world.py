@@ -26,7 +26,7 @@ HALLWAY_BREADTH_M = 2.6
 LEAST_FRONTIER_M = 0.5
 LOOKED_AT_M = 1.1  # an edge this near to an earlier look-around hides nothing more
 RELATED = {
-    "patio": ("balcony",), "balcony": ("patio",), "lobby": ("hallway",), "hallway": ("lobby",), "closet": ("dressing room", "storage"),
+    "patio": ("balcony",), "balcony": ("patio",), "lobby": ("hallway",), "hallway": ("lobby", "mudroom"), "closet": ("dressing room", "storage"),
     "dressing room": ("closet",), "storage": ("closet", "pantry", "garage"), "library": ("office",), "office": ("library", "studio"),
     "studio": ("office",), "media room": ("living room",), "pantry": ("kitchen", "storage"), "mudroom": ("hallway",), "attic": ("storage",),
 }  # fmt: skip
@@ -216,4 +216,5 @@ def build_grid(
     floor: int,
 ) -> FloorGrid:
     """The grid of the storey that the map shows now."""
-    return FloorGrid(space, known_points(sightings, pose, visited, frontiers, floor), sightings.on(floor)[1])
+    trodden = [xy for f, xy in visited if f == floor]
+    return FloorGrid(space, known_points(sightings, pose, visited, frontiers, floor), sightings.on(floor)[1], trodden)
