@@ -30,18 +30,22 @@ def render(seed: int, out: Path | None) -> None:
     """Write a sheet with a view into every room."""
     from PIL import Image, ImageDraw, ImageFont
 
+    from spacevln.environments.houses.furniture.sheets import render_views, room_views
     from spacevln.environments.houses.house import build_house
-    from spacevln.environments.houses.tour import room_views
+    from spacevln.environments.houses.walkable import Walkable
 
-    views = list(room_views(build_house(seed)))
+    house = build_house(seed)
+    space = Walkable(house)
+    shown = [(room, view) for room in house.rooms for view in room_views(house, room, space, count=1)]
+    images = render_views(house, [view for _, view in shown])
     width, height = THUMB_PX
-    rows = -(-len(views) // COLUMNS)
+    rows = -(-len(shown) // COLUMNS)
     sheet = Image.new("RGB", (COLUMNS * width, rows * (height + 24)), "white")
     draw = ImageDraw.Draw(sheet)
-    for index, view in enumerate(views):
+    for index, ((room, _), image) in enumerate(zip(shown, images, strict=True)):
         x, y = index % COLUMNS * width, index // COLUMNS * (height + 24)
-        sheet.paste(Image.fromarray(view.observation.rgb).resize(THUMB_PX), (x, y + 24))
-        draw.text((x + 6, y + 4), f"{view.room.type}, floor {view.room.floor + 1}", fill="black", font=ImageFont.load_default(14))
+        sheet.paste(Image.fromarray(image).resize(THUMB_PX), (x, y + 24))
+        draw.text((x + 6, y + 4), f"{room.type}, floor {room.floor + 1}", fill="black", font=ImageFont.load_default(14))
     path = out or Path(f"house-{seed:06d}.png")
     try:
         sheet.save(path)
