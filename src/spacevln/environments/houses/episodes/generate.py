@@ -150,8 +150,10 @@ def sample_route(topology: Topology, rng: np.random.Generator) -> tuple[Route, R
     """A route and the distances to its goal, or None when the draw is unusable."""
     house = topology.house
     end = sample_end(topology, rng)
-    if end is None:
+    standing = None if end is None else topology.space.standing(end.xy, end.room)
+    if end is None or standing is None:
         return None
+    end = replace(end, xy=standing)
     floor = house.rooms[end.room].floor
     near = topology.space.rough_field(*end.xy, floor)
     target = float(np.clip(rng.normal(10.8, 4.0), SHORTEST_M + 0.3, LONGEST_M - 1.0))

@@ -163,6 +163,16 @@ class Space:
         _, index, _ = self.graph(room, floor)
         return np.asarray(distance_transform_edt(index < 0, return_distances=False, return_indices=True), dtype=np.int32)
 
+    def standing(self, xy: XY, room: int, within_m: float = 0.3) -> XY | None:
+        """The point itself if the agent can comfortably stand there, else the nearest such place of the room, or None."""
+        floor = self.house.rooms[room].floor
+        i, j = self.ij(np.array([xy]))[0]
+        if self.walkable[floor, i, j]:
+            return xy
+        cells, _, _ = self.graph(room, floor)
+        node = self.snap(xy, room, floor, within_m)
+        return None if node < 0 else (float(self.xs[cells[node][0]]), float(self.ys[cells[node][1]]))
+
     def path(self, room: int, a: tuple[float, float], b: tuple[float, float]) -> Float | None:
         """A short polyline (N, 2) inside a room between two points, or None when furniture or walls part them."""
         floor = self.house.rooms[room].floor

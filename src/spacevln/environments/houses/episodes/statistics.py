@@ -13,7 +13,7 @@ import numpy as np
 from spacevln.environments.houses.episodes.episode import HouseEpisode
 from spacevln.environments.houses.episodes.weights import CLAUSE_SHARES, SENTENCE_SHARES, TURN_CODES
 
-_MIN_SHARE_MARGIN = 1.0  # rare templates are counted in a few hundred episodes: a point is within chance
+_NORMAL_95 = 1.645  # a share counts as outside its band only when chance does not explain it (one-sided, 5 %)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +43,11 @@ def _share(flags: Sequence[bool]) -> float:
     return 100.0 * float(np.mean(flags))
 
 
-def _within(name: str, value: float, target: float, relative: float, spare: float = 0.0) -> Row:
-    return Row(name, value, target, target * (1 - relative) - spare, target * (1 + relative) + spare)
+def _band(name: str, flags: Sequence[bool], target: float, relative: float = 0.3) -> Row:
+    """A share and its band around the target, wider by the sampling error at the band's edges."""
+    low, high = target * (1 - relative), target * (1 + relative)
+    error = [_NORMAL_95 * 100.0 * (edge / 100.0 * (1 - edge / 100.0) / len(flags)) ** 0.5 for edge in (low, high)]
+    return Row(name, _share(flags), target, low - error[0], high + error[1])
 
 
 def route_table(episodes: Sequence[HouseEpisode]) -> list[Row]:
@@ -70,16 +73,11 @@ def route_table(episodes: Sequence[HouseEpisode]) -> list[Row]:
         Row("nodes, most", max(len(e.reference_path) for e in episodes), 7, 4, 7),
     ]
     rows += [
-        _within(
-            f"sentences {k + 1}{'+' if k == 4 else ''}", _share([min(t.sentences, 5) == k + 1 for t in tags]), share, 0.3, 2.0
-        )
+        _band(f"sentences {k + 1}{'+' if k == 4 else ''}", [min(t.sentences, 5) == k + 1 for t in tags], share)
         for k, share in enumerate(SENTENCE_SHARES)
     ]
-    rows += [
-        _within(code, _share([code in t.clauses for t in tags]), share, 0.3, _MIN_SHARE_MARGIN)
-        for code, share in CLAUSE_SHARES.items()
-    ]
-    rows.append(_within("any turn", _share([bool(TURN_CODES & set(t.clauses)) for t in tags]), 62.0, 0.3))
+    rows += [_band(code, [code in t.clauses for t in tags], share) for code, share in CLAUSE_SHARES.items()]
+    rows.append(_band("any turn", [bool(TURN_CODES & set(t.clauses)) for t in tags], 62.0))
     return rows
 
 
