@@ -16,7 +16,7 @@ from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal
 
 Float = NDArray[np.float64]
 CELL_M = 0.15
-MARGIN_M = 3.0
+MARGIN_M = 1.5
 COMFORT_M = 0.35  # walks keep this far from walls where they can
 STEP_M = 0.2
 NOWHERE = 0
@@ -40,7 +40,10 @@ class FloorGrid:
         ii, jj = np.meshgrid(np.arange(self.shape[0]), np.arange(self.shape[1]), indexing="ij")
         centres = self.origin + (np.stack([ii.ravel(), jj.ravel()], axis=1) + 0.5) * CELL_M
         self.free = np.asarray(space.is_free(centres)).reshape(self.shape)
-        self.obstacle = np.asarray(space.is_obstacle(centres)).reshape(self.shape)
+        # surfaces are one map cell thick: looked for at four places of each cell
+        quarters = [centres + CELL_M / 4 * np.array(sign) for sign in ((-1, -1), (-1, 1), (1, -1), (1, 1))]
+        solid = np.asarray(space.is_obstacle(np.concatenate(quarters))).reshape(4, *self.shape)
+        self.obstacle = np.any(solid, axis=0)
         self.free = (self.free | np.asarray(binary_closing(self.free, np.ones((3, 3), np.bool_)))) & ~self.obstacle
         for i, j in (self.cell((float(x), float(y))) for x, y in trodden):
             self.free[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2] |= ~self.obstacle[

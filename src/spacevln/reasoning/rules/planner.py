@@ -24,10 +24,9 @@ from spacevln.core import (
 )
 from spacevln.language import Clause, cue_kind, known_categories, norm, region_kind
 from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, reachable_goal, way_length_m
-from spacevln.reasoning.rules.matching import WEIGHT
 from spacevln.reasoning.rules.object_goal import find_object
 from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses
-from spacevln.reasoning.rules.search import Hypothesis, Search
+from spacevln.reasoning.rules.search import Hypothesis, Search, worth
 from spacevln.reasoning.rules.sightings import XY
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.thought import describe_here, observation_text, progress_text
@@ -120,9 +119,9 @@ class RulePlanner:
 
     def _route_goal(self, context: PlannerContext, world: World) -> Goal:
         clauses = self._clauses or ()
-        search = Search(world, clauses)
+        search = Search(world, clauses, context.steps_left)
         hypotheses = search.run(self._state.start_node(world))
-        least = LEAST_AGREEMENT * sum(WEIGHT[clause.type] for clause in clauses)
+        least = LEAST_AGREEMENT * sum(map(worth, clauses))
         if context.steps_left >= LAST_STEPS:
             hypotheses = [h for h in hypotheses if h.value >= least or not h.complete]
         if not hypotheses:

@@ -22,7 +22,9 @@ from spacevln.reasoning.rules.world import World
 
 T = ClauseType
 SKIP = 0.8  # of a clause's weight, lost when it is not followed
-HOPE = 0.45  # of a clause's weight, expected of what is not seen yet
+HOPE = (0.35, 0.62)  # of a clause's weight, expected of what is not seen yet: with few steps left, with many
+HOPE_STEPS = (50, 170)
+BARE_STOP = 0.65  # of a stop's weight, where it names nothing
 UNMENTIONED_CROSSING = 0.45
 UNMENTIONED_TURN = 0.25
 BIG_TURN_RAD = math.radians(60)
@@ -115,21 +117,29 @@ def advance(
     return tuple(out)
 
 
+def worth(clause: Clause) -> float:
+    """The best score that a clause can have."""
+    return WEIGHT[clause.type] * (BARE_STOP if clause.type is T.STOP and clause.place is None else 1.0)
+
+
 class Search:
     """Finds the hypotheses of an instruction in a world.
 
     Args:
         world: perceived.
         clauses: of the instruction; the last one is a STOP.
+        steps_left: the fewer, the less the unseen is worth.
     """
 
-    def __init__(self, world: World, clauses: Sequence[Clause]) -> None:
+    def __init__(self, world: World, clauses: Sequence[Clause], steps_left: int) -> None:
         self.world = world
         self.clauses = tuple(clauses)
         self.matcher = Matcher(world)
+        share = min(1.0, max(0.0, (steps_left - HOPE_STEPS[0]) / (HOPE_STEPS[1] - HOPE_STEPS[0])))
+        hope = HOPE[0] + share * (HOPE[1] - HOPE[0])
         tail = [0.0]
         for clause in reversed(self.clauses):
-            tail.append(tail[-1] + HOPE * WEIGHT[clause.type])
+            tail.append(tail[-1] + hope * worth(clause))
         self.tail = tail[::-1]
         self._approach: dict[tuple[int, int], XY | None] = {}
 
@@ -270,8 +280,8 @@ class Search:
                 None,
             )
             phrase = last.place if last is not None and last.type not in (T.ENTER, T.LEAVE) else None
-            yield self.inside(node), 0.62 * weight, None, "inside"
-        share = 0.62 if bare else 1.0
+            yield self.inside(node), BARE_STOP * weight, None, "inside"
+        share = BARE_STOP if bare else 1.0
         if phrase is None:
             return
         if phrase.part in ("end", "far end", "other end") or (bare and phrase.kind is NounKind.REGION):
