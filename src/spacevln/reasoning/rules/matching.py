@@ -117,7 +117,7 @@ class Matcher:
             if clause.place is not None:
                 beside = self._beside(clause.place, leg, s)
                 score *= 1.0 if beside else 0.45
-            score *= 0.4 if clause.ordinal else 1.0
+            score *= 0.2 if clause.ordinal else 1.0
             found.append(Option(s, score, turn=index))
         return found
 

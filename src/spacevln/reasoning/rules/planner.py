@@ -7,6 +7,7 @@ clauses (:mod:`.search`), and the best hypothesis gives the next verifiable stag
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -224,6 +225,7 @@ class RulePlanner:
         bearing = bearing_of_way(context, world.grids[world.floor], target)
         view = choose_view(context, bearing)
         state.target = (goal.floor, goal.xy)
+        state.target_is_goal = math.dist(target, goal.xy) < ARRIVED_M
         state.target_way_m = way_length_m(context, goal.xy)
         landmark = "" if following is None else following.cue
         subtask = Subtask(

@@ -50,6 +50,8 @@ def anchor_of(clause: Clause) -> Anchor | None:
     phrase = clause.place
     if phrase is None or clause.type in (T.NOTICE, T.ORIENT):
         return None
+    if clause.type is T.LEAVE and phrase.kind is not NounKind.OPENING:
+        return Anchor(f"way out of the {phrase.head}", SpaceKind.CONNECTOR)
     if clause.type is T.STAIRS or phrase.kind is NounKind.STAIRS and clause.vertical:
         return Anchor(f"stairs {clause.vertical}".strip(), SpaceKind.FLOOR_TRANSITION)
     if phrase.kind is NounKind.REGION:

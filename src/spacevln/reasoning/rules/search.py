@@ -239,7 +239,7 @@ class Search:
                 continue
             onward = self._step(trail, leg, node)
             j = self._followed(onward.vector)
-            value = onward.vector[j] + self.tail[j] - 0.8 + 0.3 * min(2.0, frontier.width_m)
+            value = onward.vector[j] + self.tail[j] - 0.55 + 0.3 * min(1.5, frontier.width_m)
             yield Hypothesis(onward, value, frontier.position_m, node.floor, False, j, "frontier")
         for stairs in self.world.stairs_of(node.floor, node.room):
             if any(

@@ -29,6 +29,7 @@ class EpisodeState:
     verified: list[Anchor] = field(default_factory=list)
     target: tuple[int, XY] | None = None
     target_way_m: float = 0.0
+    target_is_goal: bool = True
     failures: list[tuple[int, XY]] = field(default_factory=list)
 
     def floor_of(self, context: PlannerContext) -> int:
@@ -71,7 +72,7 @@ class EpisodeState:
             return False
         aim_floor, aim = self.target
         near = aim_floor == floor and context.pose.distance_m(*aim) <= REACHED_M
-        reached = near or context.feedback.end is StageEnd.ARRIVAL
+        reached = near or (self.target_is_goal and context.feedback.end is StageEnd.ARRIVAL)
         nearer_m = self.target_way_m - way_length_m(context, aim) if aim_floor == floor else LEAST_GAIN_M
         if not reached and nearer_m < LEAST_GAIN_M:
             self.failures.append(self.target)
