@@ -315,6 +315,11 @@ def _in_order(items: list[Clause | str]) -> list[Clause]:
                 pending = None
             previous = item
             continue
+        end = item.place is not None and item.place.kind is NounKind.PART and item.place.head in ("end", "far end", "other end")
+        if end and item.type is _T.TO and ordered and ordered[-1].type is _T.ALONG and ordered[-1].place is not None:
+            ordered[-1] = replace(ordered[-1], place=replace(ordered[-1].place, part="end"))  # "down the hall to the end"
+            previous = item.text
+            continue
         if previous == "before" and ordered and ordered[-1].type in (_T.TURN, _T.STOP) and item.place is not None:
             if ordered[-1].place is None:
                 ordered[-1] = replace(ordered[-1], place=item.place, relation="before")

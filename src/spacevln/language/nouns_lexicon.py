@@ -12,10 +12,10 @@ _OBJECT_GROUPS = """
 sofa: couch, loveseat, love seat, settee, sectional, couches, sofas, sectional sofa, sofa bed
 armchair: arm chair, easy chair, wingback chair, accent chair, lounge chair, club chair
 recliner: recliner chair
+rocking chair: rocker
 chair: seat, seats, armchair, recliner, rocking chair
 dining chair: kitchen chair, dining room chair
 office chair: desk chair, swivel chair
-rocking chair: rocker
 stool: footstool, step stool
 bar stool: barstool, counter stool
 bench: pew, wooden bench

@@ -17,7 +17,7 @@ FUNCTION_WORDS = DETERMINERS | frozenset(
     until till once when while as if so with without toward towards from for is are be will would you your it them there here turn walk go
     head move stop wait stand exit leave enter continue proceed keep take make pass follow cross climb ascend descend straight forward
     ahead left right back beside next inside outside reach get see face facing hang veer bear step come but not n't that which where
-    directly slightly immediately just only all way beyond toward against opposite until""".split()
+    directly slightly immediately just only slight sharp sharply hard quick gentle bit degree degrees all way beyond toward against opposite until""".split()
 )
 # nouns that are verbs or adverbs as often: read as nouns only after a determiner or an adjective
 _AMBIGUOUS = frozenset(

@@ -25,6 +25,7 @@ from spacevln.reasoning.rules.grid import comfortable_way
 
 Float = NDArray[np.float64]
 TURN_DEG = 30.0
+TURN_BACK_DEG = 120.0  # two such turns in a stage gain nothing
 ARRIVED_M = 0.3
 OFF_PATH_COST = 1.2
 TURN_COST_M = 0.12
@@ -54,6 +55,8 @@ class RuleExecutor:
         known = way is not None
         path = way if way is not None else np.stack([pose.xy_m, target])
         action, purpose = self._follow(context, path)
+        if _turns_back(action) and any(_turns_back(decision.asked) for decision in context.progress.decisions):
+            return _reply(context, Stop(), None, candidate, "the way leads to and fro: back to the planner")
         words = (
             f"target {remaining:.2f} m away, {'on the known way' if known else 'no known way: straight on'}: {describe(action)}"
         )
@@ -125,6 +128,10 @@ def _clear_ahead(context: ExecutorContext) -> list[float]:
     blocked = np.any(hit.reshape(len(headings), len(along), len(LANES_M)), axis=2)
     first = np.where(blocked.any(axis=1), blocked.argmax(axis=1), len(along))
     return [float(along[k - 1] - 0.1) if k else 0.0 for k in first]
+
+
+def _turns_back(action: Action) -> bool:
+    return isinstance(action, TurnLeft | TurnRight) and action.angle_deg >= TURN_BACK_DEG
 
 
 def _candidate(context: ExecutorContext) -> LandmarkCandidate | None:

@@ -17,6 +17,7 @@ from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal
 Float = NDArray[np.float64]
 CELL_M = 0.15
 MARGIN_M = 1.5
+DETOUR_M = 3.0  # how far a way to a near goal may lead around
 COMFORT_M = 0.35  # walks keep this far from walls where they can
 STEP_M = 0.2
 NOWHERE = 0
@@ -29,12 +30,15 @@ class FloorGrid:
         space: the metric map of that storey, asked once.
         points: (N, 2) places that bound what is known.
         portals: whose thresholds part the rooms.
+        margin_m: known floor around the points.
         trodden: places where the body stood: free, though the camera never saw them.
     """
 
-    def __init__(self, space: SpatialMap, points: Float, portals: Sequence[Portal], trodden: Sequence[XY] = ()) -> None:
-        low = np.floor((points.min(axis=0) - MARGIN_M) / CELL_M).astype(int)
-        high = np.ceil((points.max(axis=0) + MARGIN_M) / CELL_M).astype(int)
+    def __init__(
+        self, space: SpatialMap, points: Float, portals: Sequence[Portal], trodden: Sequence[XY] = (), margin_m: float = MARGIN_M
+    ) -> None:
+        low = np.floor((points.min(axis=0) - margin_m) / CELL_M).astype(int)
+        high = np.ceil((points.max(axis=0) + margin_m) / CELL_M).astype(int)
         self.origin = low * CELL_M
         self.shape = (int(high[0] - low[0]), int(high[1] - low[1]))
         ii, jj = np.meshgrid(np.arange(self.shape[0]), np.arange(self.shape[1]), indexing="ij")
@@ -222,7 +226,7 @@ def square_rad(space: SpatialMap, pose: Pose, reach_m: float = 5.0) -> float:
 
 def comfortable_way(space: SpatialMap, pose: Pose, goal: XY) -> Float | None:
     """A way to a goal that keeps off obstacles, over known floor where it can, (N, 2) every 0.2 m."""
-    grid = FloorGrid(space, np.array([[pose.x_m, pose.y_m], goal]), (), ((pose.x_m, pose.y_m),))
+    grid = FloorGrid(space, np.array([[pose.x_m, pose.y_m], goal]), (), ((pose.x_m, pose.y_m),), DETOUR_M)
     return grid.loose_walk((pose.x_m, pose.y_m), goal)
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from spacevln.core import PlannerContext
 from spacevln.language import REGION_CUES, head_noun
+from spacevln.language.occurrence import ROOMS_OF
+from spacevln.perception.attributes import Agreement
 from spacevln.perception.matching import fit
 from spacevln.reasoning.rules.heading import way_length_m
 from spacevln.reasoning.rules.search import approach_point
@@ -14,7 +16,10 @@ from spacevln.reasoning.rules.sightings import XY
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World
 
-WALK_COST_PER_M = 0.14
+WALK_COST_PER_M = 0.12
+UNKNOWN_PROMISE = 0.45
+HALLWAY_PROMISE = 0.6
+LEAST_PROMISE = 0.08
 FAILURE_COST = 1.5
 STAIRS_COST = 0.9
 
@@ -40,7 +45,10 @@ class Quest:
 
 
 def likely_regions(goal: str) -> dict[str, float]:
-    """Region types in which a category is likely, 0 to 1, from the lexicon's co-occurrence."""
+    """How likely a room of each type holds the goal, 0 to 1: from co-occurrence, else from what tells a room."""
+    words = " ".join(goal.lower().replace("_", " ").split())
+    if words in ROOMS_OF or head_noun(goal) in ROOMS_OF:
+        return ROOMS_OF.get(words) or ROOMS_OF[head_noun(goal)]
     head = head_noun(goal)
     weights = {region: cues[head] for region, cues in REGION_CUES.items() if head in cues}
     strongest = max(weights.values(), default=0.0)
@@ -56,7 +64,7 @@ def _seen_instance(context: PlannerContext, world: World, goal: str, state: Epis
     best: tuple[float, Quest] | None = None
     for thing in world.sightings.things:
         verdict = None if not goal else fit(goal, thing.category, thing.attributes)
-        if thing.floor != world.floor or verdict is None or verdict.value < 0.5:
+        if thing.floor != world.floor or verdict is None or verdict is not Agreement.AGREED:
             continue
         floor, room = world.room_of_thing[thing.id]
         if not room:
@@ -85,7 +93,7 @@ def _best_unseen(context: PlannerContext, world: World, goal: str, state: Episod
                 or ((world.floor, near) not in world.visited_rooms and far)
             ):
                 continue
-            gain = 1.0 + promise(world, far, likely)
+            gain = 2.0 * promise(world, far, likely)
             xy = next(
                 (p for reach in (1.2, 0.9, 0.6) if world.room_at(world.floor, p := portal.beside(1 - side, reach), 0.1)),
                 portal.beside(1 - side, 0.7),
@@ -107,7 +115,7 @@ def _best_unseen(context: PlannerContext, world: World, goal: str, state: Episod
         if not math.isfinite(frontier.geodesic_m):
             continue
         room = world.room_at(world.floor, frontier.position_m, 0.6)
-        gain = 0.35 + 0.7 * promise(world, room, likely) + 0.15 * min(frontier.width_m, 2.0)
+        gain = (0.4 + 0.3 * min(frontier.width_m, 2.0)) * (0.2 + promise(world, room, likely))
         region = world.region(world.floor, room) if room else ""
         options.append(
             (
@@ -141,12 +149,11 @@ def _best_unseen(context: PlannerContext, world: World, goal: str, state: Episod
 
 
 def promise(world: World, room: int, likely: dict[str, float]) -> float:
-    """How likely a room holds the goal: 1 for its typical room, 0.35 for an unknown one, less for another type."""
-    if not room:
-        return 0.35
-    scores = world.scores(world.floor, room)
-    strongest = max(scores.values(), default=0.0)
-    if strongest < 1.0 or not likely:
-        return 0.35
-    best = max((likely[region] * min(1.0, scores.get(region, 0.0) / strongest) for region in likely), default=0.0)
-    return best if best > 0.3 else 0.25 if scores.get("hallway", 0.0) >= 0.6 * strongest else 0.0
+    """How likely entering a room brings the goal nearer: it may hold it, or, as a hallway, lead on to where it is."""
+    region = world.region(world.floor, room) if room else ""
+    if not region:
+        return UNKNOWN_PROMISE
+    if not likely:
+        return UNKNOWN_PROMISE if region != "hallway" else HALLWAY_PROMISE
+    held = likely.get(region, 0.0)
+    return max(held, HALLWAY_PROMISE) if region == "hallway" else max(held, LEAST_PROMISE)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.core import Sighting
-from spacevln.language import head_noun
+from spacevln.language import attributes_of, head_noun
 from spacevln.language.nouns_lexicon import OPENINGS, STAIRS
 
 XY = tuple[float, float]
@@ -151,8 +151,9 @@ class Sightings:
         x, y, z = sighting.position_m
         surface = list(sighting.surface_m) or [(x, y)]
         weight = float(max(sighting.pixels, 1))
+        attributes = tuple(dict.fromkeys((*attributes_of(sighting.category), *sighting.attributes)))
         for thing in self.things:
-            if thing.floor != floor or thing.category != category or not _agree(thing.attributes, sighting.attributes):
+            if thing.floor != floor or thing.category != category or not _agree(thing.attributes, attributes):
                 continue
             reach = SAME_THING_M if category not in STAIRS else 2.5
             near = min(math.hypot(ax - bx, ay - by) for ax, ay in thing.surface[:12] for bx, by in surface[:8])
@@ -166,13 +167,13 @@ class Sightings:
             thing.weight += weight
             thing.extent_m = max(thing.extent_m, sighting.extent_m)
             thing.surface = (thing.surface + surface)[-MAX_SURFACE:]
-            thing.attributes = thing.attributes or sighting.attributes
+            thing.attributes = thing.attributes or attributes
             return
         self.things.append(
             Thing(
                 len(self.things),
                 category,
-                sighting.attributes,
+                attributes,
                 floor,
                 (x, y),
                 z,
