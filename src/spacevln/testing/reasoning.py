@@ -20,6 +20,7 @@ from collections.abc import Sequence
 import pytest
 
 from spacevln.agent import AgentSettings, EpisodeResult, NavigationAgent
+from spacevln.control import ControlSettings
 from spacevln.core import (
     Action,
     Anchor,
@@ -92,9 +93,14 @@ def _ahead(context: ExecutorContext) -> Action:
 
 
 def _through_the_door(context: PlannerContext) -> Subtask:
+    """Straight on, or where the way is clearest once something stands in front."""
+    front = context.views[0]
+    clearest = max(context.views, key=lambda view: view.obstacle_m)
+    direction = (front if front.obstacle_m >= ControlSettings().traversable_m else clearest).label
     if context.feedback is None or context.last_subtask is None:
-        return subtask_of(CHAIN, 0)
-    return subtask_of(CHAIN, min(1, context.last_subtask.current_index + (context.feedback.end is StageEnd.ARRIVAL)))
+        return subtask_of(CHAIN, 0, direction)
+    reached = context.last_subtask.current_index + (context.feedback.end is StageEnd.ARRIVAL)
+    return subtask_of(CHAIN, min(1, reached), direction)
 
 
 class PlannerConformance:
