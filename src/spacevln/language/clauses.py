@@ -47,7 +47,7 @@ class Clause:
         place: the thing or space it names.
         side: of a turn: ``"left"``, ``"right"`` or ``""``.
         relation: how the end of the move or the turn relates to the place: ``"next to"``, ``"in front of"``, ``"before"`` ...
-        degree: ``"slight"``, ``"sharp"`` or ``""``.
+        degree: of a turn ``"slight"`` or ``"sharp"``, of a move ``"straight"``; or ``""``.
         vertical: ``"up"``, ``"down"`` or ``""``.
         ordinal: of a turn ("the second left"), or of a step.
         distance_m: a stated distance.
@@ -227,6 +227,8 @@ def _fill(kind: ClauseType, found: re.Match[str], phrases: list[NounPhrase], dis
     stated = re.search(r"\bD(\d+)", text)
     if stated:
         clause = replace(clause, distance_m=distances[int(stated[1])])
+    if kind in (_T.THROUGH, _T.ENTER, _T.PAST, _T.ALONG, _T.TO, _T.TOWARD, _T.LEAVE) and re.search(r"\b(straight|ahead)\b", text):
+        return replace(clause, degree="straight")
     if kind is _T.TURN:
         degree = (found[1] or "").strip()
         degree = (

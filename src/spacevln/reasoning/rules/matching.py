@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ WEIGHT = {
 }  # fmt: skip
 PASS_M = 2.5
 NEAR_M = 1.5
+STRAIGHT_RAD = math.radians(50)
 SIDE_LOW_RAD, SIDE_HIGH_RAD = math.radians(20), math.radians(165)
 # what an option does with the crossing at the end of a leg; one crossing can leave, go through and enter, each once
 LEAVES, THROUGH, ENTERS = 1, 2, 4
@@ -70,7 +71,10 @@ class Matcher:
         """Every way in which the clause holds on the leg; legs and clauses are kept by the world and the search."""
         key = (id(leg), id(clause))
         if key not in self._options:
-            self._options[key] = self._judge(clause, leg)
+            options = self._judge(clause, leg)
+            if clause.degree == "straight" and any(abs(angle) > STRAIGHT_RAD for _, angle in leg.turns):
+                options = [replace(option, score=0.6 * option.score) for option in options if option.score > 0]
+            self._options[key] = options
         return self._options[key]
 
     def _judge(self, clause: Clause, leg: Leg) -> list[Option]:
