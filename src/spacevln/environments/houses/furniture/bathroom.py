@@ -37,8 +37,9 @@ def _shower(k: Kit, look: Look) -> None:
     w = 0.92 if k.rng.random() < 0.7 else 0.8
     k.box(look.main, w, w, 0.1)
     k.box("plain-gray", 0.1, 0.1, 0.004, z=0.1)
-    k.box("mosaic-sky", w, 0.03, 2.0, y=-w / 2 + 0.015, z=0.1)
-    k.box("mosaic-sky", 0.03, w, 2.0, x=-w / 2 + 0.015, z=0.1)
+    # the tiles end within the posts and rails around them
+    k.box("mosaic-sky", w - 0.01, 0.03, 1.995, y=-w / 2 + 0.02, z=0.1)
+    k.box("mosaic-sky", 0.03, w - 0.01, 1.995, x=-w / 2 + 0.02, z=0.1)
     for x, y in ((w / 2 - 0.02, w / 2 - 0.02), (-w / 2 + 0.02, w / 2 - 0.02), (w / 2 - 0.02, -w / 2 + 0.02)):
         k.box(look.trim, 0.04, 0.04, 2.0, x=x, y=y, z=0.1)
     k.box(look.trim, w, 0.04, 0.04, y=w / 2 - 0.02, z=2.06)

@@ -26,7 +26,7 @@ def _bed(k: Kit, look: Look) -> None:
     k.box("plain-white", w - 0.04, d - 0.16, 0.18, z=0.3)
     k.box(look.main, w + 0.05, d - 0.64, 0.17, y=0.25, z=0.33)
     k.mesh("cushion", look.main, w + 0.05, d - 0.62, 0.12, y=0.25, z=0.44)
-    k.box("plain-white", w + 0.02, 0.22, 0.05, y=-0.38, z=0.49)
+    k.mesh("cushion", "plain-white", w + 0.045, 0.24, 0.12, y=-0.36, z=0.46)
     for s in (-1, 1):
         k.mesh("pillow", "fabric-white", w / 2 - 0.1, 0.42, 0.2, x=s * w / 4, y=-d / 2 + 0.36, z=0.46, turn=(0.35, 0, 0))
         k.mesh("pillow", look.main, w / 2 - 0.28, 0.3, 0.16, x=s * w / 4, y=-d / 2 + 0.55, z=0.48, turn=(0.6, 0, 0))
@@ -105,7 +105,7 @@ def _vanity_table(k: Kit, look: Look) -> None:
     k.box(look.main, w, d, 0.15, z=0.6)
     k.fronts(look.main, "gloss-gold", w - 0.04, 0.12, d / 2 + 0.004, 0.615, 3, 1)
     k.mesh("thinring", "gloss-gold", 0.58, 0.05, 0.68, y=-d / 2 + 0.06, z=0.8)
-    k.ball("mirror-1", 0.54, 0.02, 0.64, y=-d / 2 + 0.06, z=0.82)
+    k.mesh("face", "mirror-1", 0.54, 0.02, 0.64, y=-d / 2 + 0.06, z=0.82)
     k.box("gloss-gold", 0.06, 0.05, 0.1, y=-d / 2 + 0.06, z=0.74)
     k.mesh("bottle", "gloss-pink", 0.05, 0.05, 0.14, x=0.32, z=0.75)
     k.mesh("bottle", "gloss-teal", 0.06, 0.06, 0.1, x=0.39, y=0.05, z=0.75)

@@ -200,20 +200,25 @@ def _fireplace(k: Kit, look: Look) -> None:
         ("blue", "rug-1"),
         ("gray", "rug-2"),
         ("green", "rug-3"),
-        ("white", "carpet-white"),
-        ("beige", "carpet-beige"),
+        ("white", "carpet-white", "plain-navy"),
+        ("beige", "carpet-beige", "plain-brown"),
     ),
     stand="flat",
 )
 def _rug(k: Kit, look: Look) -> None:
-    k.box(look.main, 2.1, 1.5, 0.014)
+    if look.main.startswith("rug"):
+        k.box(look.main, 2.1, 1.5, 0.014)
+    else:
+        # a plain rug has a border, else it is lost on a floor of its colour
+        k.box(look.trim, 2.1, 1.5, 0.011)
+        k.box(look.main, 1.92, 1.32, 0.014)
     for s in (-1, 1):
         k.box("plain-ivory", 0.05, 1.48, 0.008, x=s * 1.07)
 
 
 @kind("round rug", looks(("blue", "roundrug-0"), ("red", "roundrug-1")), stand="flat")
 def _round_rug(k: Kit, look: Look) -> None:
-    k.rod(look.main, 0.8, 0.014)
+    k.mesh("disc", look.main, 1.6, 1.56, 0.014)
 
 
 @kind(
@@ -235,7 +240,7 @@ def _bath_mat(k: Kit, look: Look) -> None:
     k.mesh("cushion", look.main, 0.8, 0.5, 0.03)
 
 
-@kind("runner rug", looks(("red", "rug-0"), ("blue", "rug-1"), ("gray", "rug-2")), stand="flat")
+@kind("runner rug", looks(("red", "runner-0"), ("blue", "runner-1"), ("gray", "runner-2")), stand="flat")
 def _runner_rug(k: Kit, look: Look) -> None:
     k.box(look.main, 1.9, 0.7, 0.012)
 

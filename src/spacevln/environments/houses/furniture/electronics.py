@@ -25,9 +25,9 @@ def _tv(k: Kit, look: Look) -> None:
     w = 1.1
     k.box("gloss-black", w, 0.04, 0.64, z=0.07)
     k.box(look.main, w - 0.04, 0.046, 0.6, z=0.09)
-    k.box("plain-charcoal", 0.06, 0.04, 0.1)
+    k.box("plain-charcoal", 0.06, 0.034, 0.1)
     k.box("plain-charcoal", 0.44, 0.2, 0.015)
-    k.box("plain-silver", 0.06, 0.048, 0.008, z=0.075)
+    k.box("plain-silver", 0.066, 0.048, 0.008, z=0.075)
 
 
 @kind("computer monitor", looks(("black", "gloss-black", "screen-0"), ("white", "plain-white", "screen-1")), stand="top")
@@ -151,7 +151,7 @@ def _aquarium(k: Kit, look: Look) -> None:
     k.box(look.trim, w, d, 0.62)
     k.fronts(look.trim, "gloss-silver", w - 0.04, 0.56, d / 2, 0.03, 2, 1)
     k.box("plain-black", w, d, 0.04, z=0.62)
-    k.box(look.main, w - 0.02, d - 0.02, 0.5, z=0.66)
+    k.box(look.main, w - 0.02, d - 0.02, 0.504, z=0.658)
     k.box("plain-black", w, d, 0.07, z=1.16)
     for sx in (-1, 1):
         for sy in (-1, 1):
@@ -180,5 +180,5 @@ def _speaker(k: Kit, look: Look) -> None:
     k.box(look.main, 0.3, 0.32, 1.0)
     for z, r in ((0.26, 0.11), (0.56, 0.11), (0.8, 0.06)):
         k.bar("gloss-silver", r + 0.012, 0.02, y=0.158, z=z, along="y")
-        k.bar(look.trim, r, 0.026, y=0.16, z=z, along="y")
+        k.bar(look.trim, r, 0.03, y=0.16, z=z, along="y")
         k.ball("gloss-black", r * 0.9, 0.04, r * 0.9, y=0.165, z=z - r * 0.45)

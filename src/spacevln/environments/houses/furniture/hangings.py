@@ -22,8 +22,8 @@ HALF_PI = np.pi / 2
 )
 def _mirror(k: Kit, look: Look) -> None:
     if look.variant:
-        k.bar(look.main, 0.36, 0.03, z=0.36, y=-0.005, along="y")
-        k.ball("mirror-1", 0.66, 0.04, 0.66, z=0.03, y=0.004)
+        k.bar(look.main, 0.36, 0.04, z=0.36, along="y")
+        k.mesh("face", "mirror-1", 0.66, 0.036, 0.66, z=0.03, y=0.0055)
         return
     w, h = 0.62, 0.95
     k.box(look.main, w, 0.03, h)
@@ -66,8 +66,8 @@ def _poster(k: Kit, look: Look) -> None:
     stand="wall",
 )
 def _clock(k: Kit, look: Look) -> None:
-    k.bar(look.main, 0.21, 0.04, z=0.21, along="y")
-    k.ball(look.trim, 0.37, 0.06, 0.37, y=0.005, z=0.025)
+    k.bar(look.main, 0.21, 0.0534, y=0.0025, z=0.21, along="y")
+    k.mesh("face", look.trim, 0.37, 0.054, 0.37, y=0.0073, z=0.025)
 
 
 @kind("calendar", looks(("white", "calendar-0"), ("white", "calendar-1")), stand="wall")
@@ -84,8 +84,8 @@ def _exit_sign(k: Kit, look: Look) -> None:
 
 @kind("dartboard", looks(("black", "dartboard-0")), stand="wall")
 def _dartboard(k: Kit, look: Look) -> None:
-    k.bar("plain-black", 0.25, 0.04, z=0.25, along="y")
-    k.ball(look.main, 0.49, 0.06, 0.49, y=0.005, z=0.005)
+    k.bar("plain-black", 0.25, 0.0534, y=0.0025, z=0.25, along="y")
+    k.mesh("face", look.main, 0.49, 0.054, 0.49, y=0.0073, z=0.005)
     for x, z in ((0.05, 0.31), (-0.08, 0.2)):
         k.bar("gloss-yellow", 0.008, 0.14, x=x, y=0.09, z=z, along="y")
 
@@ -109,7 +109,9 @@ def _wall_shelf(k: Kit, look: Look) -> None:
 )
 def _curtain(k: Kit, look: Look) -> None:
     w, h = 1.9, 2.2
-    k.bar(look.trim, 0.016, w + 0.06, y=0.04, z=h)
+    k.bar(look.trim, 0.016, w + 0.06, y=0.0625, z=h)
     for s in (-1, 1):
-        k.ball(look.trim, 0.06, 0.06, 0.06, x=s * (w / 2 + 0.03), y=0.04, z=h - 0.03)
-        k.mesh("curtain", look.main, 0.34, 0.1, h - 0.05, x=s * (w / 2 - 0.17), y=0.04, z=0.02)
+        k.ball(look.trim, 0.06, 0.045, 0.06, x=s * (w / 2 + 0.03), y=0.0625, z=h - 0.03)
+        k.box(look.trim, 0.02, 0.065, 0.02, x=s * (w / 2 - 0.36), y=0.0275, z=h - 0.01)
+        # hangs clear of the window's sill
+        k.mesh("curtain", look.main, 0.34, 0.05, h - 0.05, x=s * (w / 2 - 0.17), y=0.0625, z=0.02)

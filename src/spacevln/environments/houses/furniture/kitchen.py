@@ -80,7 +80,7 @@ def _stove(k: Kit, look: Look) -> None:
 )
 def _refrigerator(k: Kit, look: Look) -> None:
     w, d, h = 0.72, 0.68, 1.78
-    k.box("plain-charcoal", w - 0.04, d - 0.1, h - 0.02, y=-0.05, z=0.02)
+    k.box("plain-charcoal", w - 0.04, d - 0.106, h - 0.02, y=-0.047, z=0.02)
     k.box(look.main, w, d - 0.09, h - 0.06, y=-0.045, z=0.05)
     k.box(look.main, w, 0.06, 1.1, y=d / 2 - 0.05, z=0.06)
     k.box(look.main, w, 0.06, 0.58, y=d / 2 - 0.05, z=1.18)
@@ -88,7 +88,7 @@ def _refrigerator(k: Kit, look: Look) -> None:
     k.box(look.trim, 0.03, 0.05, 0.34, x=-w / 2 + 0.07, y=d / 2, z=1.24)
     k.box("plain-yellow", 0.09, 0.006, 0.09, x=0.16, y=d / 2 - 0.018, z=1.5)
     k.box("plain-sky", 0.12, 0.006, 0.15, x=0.02, y=d / 2 - 0.018, z=1.44)
-    k.box("plain-red", 0.04, 0.008, 0.04, x=0.02, y=d / 2 - 0.017, z=1.58)
+    k.box("plain-red", 0.04, 0.012, 0.04, x=0.02, y=d / 2 - 0.017, z=1.58)
 
 
 @kind(
@@ -109,7 +109,7 @@ def _dishwasher(k: Kit, look: Look) -> None:
     k.box("plain-charcoal", w - 0.03, 0.022, 0.1, y=0.285, z=0.74)
     k.box("gloss-teal", 0.1, 0.026, 0.035, x=0.12, y=0.285, z=0.77)
     for i in range(4):
-        k.bar("gloss-silver", 0.014, 0.03, x=-0.2 + i * 0.06, y=0.29, z=0.79, along="y")
+        k.bar("gloss-silver", 0.014, 0.036, x=-0.2 + i * 0.06, y=0.29, z=0.79, along="y")
     k.box(look.trim, w - 0.16, 0.04, 0.03, y=0.3, z=0.66)
 
 
@@ -153,7 +153,7 @@ def _range_hood(k: Kit, look: Look) -> None:
 def _microwave(k: Kit, look: Look) -> None:
     k.box(look.main, 0.48, 0.34, 0.28, z=0.01)
     k.box("gloss-black", 0.31, 0.01, 0.2, x=0.07, y=0.17, z=0.05)
-    k.box("plain-charcoal", 0.24, 0.012, 0.13, x=0.07, y=0.171, z=0.085)
+    k.box("plain-charcoal", 0.24, 0.018, 0.13, x=0.07, y=0.171, z=0.085)
     k.box(look.trim, 0.018, 0.03, 0.2, x=-0.1, y=0.18, z=0.05)
     k.box("plain-charcoal", 0.1, 0.01, 0.22, x=-0.175, y=0.17, z=0.04)
     k.box("gloss-teal", 0.08, 0.014, 0.035, x=-0.175, y=0.17, z=0.21)
@@ -236,6 +236,6 @@ def _coffee_machine(k: Kit, look: Look) -> None:
     k.box(look.main, 0.24, 0.12, 0.36, y=-0.09)
     k.box(look.main, 0.24, 0.3, 0.1, z=0.28)
     k.rod("gloss-glass", 0.08, 0.15, y=0.05, z=0.05)
-    k.rod("gloss-chocolate", 0.081, 0.08, y=0.05, z=0.05)
+    k.rod("gloss-chocolate", 0.083, 0.08, y=0.05, z=0.046)
     k.box("gloss-black", 0.02, 0.08, 0.1, x=0.0, y=0.15, z=0.08)
     k.box(look.trim, 0.14, 0.01, 0.03, y=0.152, z=0.32)

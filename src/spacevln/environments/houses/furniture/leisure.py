@@ -123,7 +123,7 @@ def _yoga_mat(k: Kit, look: Look) -> None:
     ),
 )
 def _exercise_ball(k: Kit, look: Look) -> None:
-    k.ball(look.main, 0.64, 0.64, 0.62)
+    k.ball(look.main, 0.628, 0.628, 0.62)
     for z in (0.16, 0.3, 0.44):
         r = 0.32 * (1 - ((z - 0.31) / 0.31) ** 2) ** 0.5 * 2 + 0.006
         k.mesh("thinring", look.trim, r, 0.02, r, z=z - r / 2, turn=(HALF_PI, 0, 0))

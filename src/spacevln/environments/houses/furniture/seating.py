@@ -59,7 +59,7 @@ def _dining_chair(k: Kit, look: Look) -> None:
     k.box(look.main, w, d, 0.05, z=0.43)
     for s in (-1, 1):
         k.box(frame, 0.04, 0.04, 0.46, x=s * (w / 2 - 0.02), y=-d / 2 + 0.02, z=0.48)
-    k.box(look.main, w - 0.06, 0.03, 0.12, y=-d / 2 + 0.02, z=0.82)
+    k.box(look.main, w - 0.06, 0.03, 0.115, y=-d / 2 + 0.02, z=0.82)
     for x in (-0.1, 0.0, 0.1):
         k.box(look.main if look.main.startswith("fabric") else frame, 0.05, 0.02, 0.34, x=x, y=-d / 2 + 0.02, z=0.48)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -98,6 +99,11 @@ CAR = [
     (-1.0, -0.55), (-0.82, -0.7), (0.86, -0.7), (1.0, -0.5), (0.98, -0.1), (0.62, 0.08), (0.3, 0.95),
     (-0.5, 1.0), (-0.86, 0.2), (-1.0, 0.1)
 ]  # fmt: skip
+_CIRCLE = [(math.cos(k * math.tau / 28), math.sin(k * math.tau / 28)) for k in range(28)]
+GARMENT = [
+    (-0.66, -0.96), (-0.2, -0.99), (0.25, -0.95), (0.62, -1.0), (0.52, 0.4), (0.72, -0.12), (1.0, -0.06), (0.76, 0.74),
+    (0.18, 1.0), (0.0, 0.9), (-0.18, 1.0), (-0.76, 0.74), (-1.0, -0.06), (-0.72, -0.12), (-0.52, 0.4)
+]  # fmt: skip
 CABIN = [(-1.0, -1.0), (1.0, -1.0), (0.45, 1.0), (-0.62, 1.0)]
 GRAND = [
     (-1.0, 1.0), (-1.0, -0.55), (-0.8, -0.95), (-0.4, -1.0), (-0.1, -0.8), (0.1, -0.35),
@@ -153,6 +159,9 @@ CUSTOM.update(
         "small cushion": lambda: superellipsoid(0.45, 8, 4),
         "blossom": lambda: superellipsoid(1.0, 7, 4),
         "pillow": lambda: superellipsoid(0.7, 12, 6),
+        "disc": lambda: lathe([(0, -1), (1, -1), (1, 1), (0, 1)], 28),
+        "face": lambda: extrude(_CIRCLE),
+        "garment": lambda: extrude(GARMENT, axis=0),
         "cone": lambda: lathe([(0, -1), (1, -1), (0, 1)], 12, smooth=False),
         "ring": lambda: torus(0.2, 16, 6),
         "thinring": lambda: torus(0.07, 18, 5),

@@ -68,7 +68,7 @@ def _filing_cabinet(k: Kit, look: Look) -> None:
 )
 def _storage_rack(k: Kit, look: Look) -> None:
     w, d, h = 1.1, 0.42, 1.8
-    k.legs(look.trim, w, d, h, 0.04)
+    k.legs(look.trim, w - 0.006, d - 0.006, h, 0.04)
     boxes = (
         ("cardboard-tan", 0.34, 0.3, 0.24), ("plain-blue", 0.3, 0.28, 0.18),
         ("plain-red", 0.22, 0.22, 0.26), ("plain-green", 0.3, 0.26, 0.2)
@@ -247,7 +247,6 @@ def _clothes_rack(k: Kit, look: Look) -> None:
     clothes = ("red", "white", "navy", "yellow", "green", "black", "pink", "sky", "brown", "purple")
     for i, colour in enumerate(clothes):
         x, length = (i - 4.5) * 0.11, 0.75 + 0.12 * (i * 7 % 5)
-        k.mesh("prism", f"fabric-{colour}", 0.06, 0.42, 0.14, x=x, z=h - 0.22)
-        k.box(f"fabric-{colour}", 0.06, 0.42, length - 0.1, x=x, z=h - 0.12 - length)
+        k.mesh("garment", f"fabric-{colour}", 0.06, 0.42, length + 0.04, x=x, z=h - 0.12 - length)
         k.box("plain-silver", 0.01, 0.01, 0.1, x=x, z=h - 0.09)
     k.box("cardboard-tan", 0.36, 0.3, 0.18, x=0.25, z=0.21)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from spacevln.environments.houses.furniture.kit import Kit, Look, kind, looks, woods
 
 
@@ -89,8 +87,8 @@ def _desk(k: Kit, look: Look) -> None:
 def _patio_table(k: Kit, look: Look) -> None:
     k.rod(look.trim, 0.24, 0.03)
     k.rod(look.trim, 0.03, 0.64, z=0.03)
-    k.rod(look.main, 0.38, 0.03, z=0.67)
-    k.mesh("thinring", look.trim, 0.78, 0.04, 0.78, z=0.29, turn=(np.pi / 2, 0, 0))
+    k.mesh("disc", look.trim, 0.78, 0.7682, 0.034, z=0.66)
+    k.mesh("disc", look.main, 0.73, 0.72, 0.03, z=0.67)
 
 
 @kind(
@@ -124,21 +122,21 @@ def _ping_pong_table(k: Kit, look: Look) -> None:
     w, d = 2.3, 1.3
     for s in (-1, 1):
         k.legs(look.trim, 0.5, d - 0.3, 0.72, 0.05, x=s * w / 4)
-        k.box("plain-white", 0.03, d, 0.006, x=s * (w / 2 - 0.015), z=0.757)
-        k.box("plain-white", w, 0.03, 0.006, y=s * (d / 2 - 0.015), z=0.757)
+        k.box("plain-white", 0.03, d - 0.006, 0.006, x=s * (w / 2 - 0.018), z=0.757)
+        k.box("plain-white", w - 0.006, 0.03, 0.006, y=s * (d / 2 - 0.018), z=0.757)
     k.box(look.main, w, d, 0.04, z=0.72)
-    k.box("plain-white", w, 0.015, 0.006, z=0.757)
-    k.box("tile-silver", 0.012, d + 0.1, 0.13, z=0.76)
+    k.box("plain-white", w - 0.006, 0.015, 0.006, z=0.757)
+    k.box("tile-silver", 0.012, d + 0.094, 0.13, z=0.76)
     k.box("plain-white", 0.016, d + 0.1, 0.02, z=0.885)
     k.rod("plain-red", 0.08, 0.015, x=0.7, y=0.2, z=0.765)
-    k.box("wood-oak", 0.12, 0.03, 0.015, x=0.83, y=0.2, z=0.765)
+    k.box("wood-oak", 0.12, 0.03, 0.012, x=0.83, y=0.2, z=0.765)
     k.ball("gloss-orange", 0.045, 0.045, 0.045, x=-0.5, y=-0.2, z=0.76)
 
 
 @kind("foosball table", looks(("brown wooden", "wood-oak", "plain-black"), ("black", "plain-black", "plain-charcoal")))
 def _foosball_table(k: Kit, look: Look) -> None:
     w, d = 1.25, 0.68
-    k.legs(look.trim, w, d, 0.62, 0.09)
+    k.legs(look.trim, w, d, 0.6, 0.09)
     k.box("plain-green", w - 0.06, d - 0.06, 0.1, z=0.62)
     for s in (-1, 1):
         k.box(look.main, w, 0.04, 0.26, y=s * (d / 2 - 0.02), z=0.6)

@@ -152,6 +152,25 @@ def _rug(variant: int) -> Image:
     return np.ascontiguousarray(np.clip(image + speckle, 0, 255).astype(np.uint8))
 
 
+def _runner(variant: int) -> Image:
+    """A long rug of the colours of ``_rug``, with borders of one width on all sides."""
+    themes: tuple[tuple[Rgb, Rgb, Rgb], ...] = (
+        ((150, 34, 34), (232, 206, 150), (30, 44, 80)),
+        ((40, 70, 130), (230, 226, 214), (190, 150, 80)),
+        ((214, 206, 192), (120, 116, 112), (60, 60, 64)),
+    )
+    base, second, third = themes[variant % len(themes)]
+    image = _canvas(96, 256, base)
+    for inset, rgb, width in ((3, second, 4), (10, third, 5), (18, second, 2)):
+        cv2.rectangle(image, (inset, inset), (255 - inset, 95 - inset), rgb, width)
+    for x in (56, 128, 200):
+        for radius, rgb in ((26, second), (21, third), (14, base), (7, second)):
+            diamond = np.array([[x - radius * 1.2, 48], [x, 48 - radius], [x + radius * 1.2, 48], [x, 48 + radius]])
+            cv2.fillPoly(image, [diamond.astype(np.int32)], rgb)
+    speckle = rng_for(f"runner{variant}").normal(0, 7, image.shape[:2])[:, :, None]
+    return np.ascontiguousarray(np.clip(image + speckle, 0, 255).astype(np.uint8))
+
+
 def _roundrug(variant: int) -> Image:
     themes: tuple[tuple[Rgb, Rgb], ...] = (((60, 90, 140), (228, 222, 208)), ((170, 60, 50), (236, 214, 160)))
     base, second = themes[variant % len(themes)]
@@ -339,6 +358,7 @@ PICTURES: dict[str, Callable[[int], Image]] = {
     "books": _books,
     "rug": _rug,
     "roundrug": _roundrug,
+    "runner": _runner,
     "sky": _sky,
     "mirror": _mirror,
     "tv": _tv,

@@ -47,8 +47,8 @@ def _casing(k: Kit, house: House, opening: Opening) -> None:
             k.box(stuff, CASING_M, _PROUD_M, h, x=side * (w + CASING_M) / 2, y=y)
         k.box(stuff, w + 2 * CASING_M, _PROUD_M, top, y=y, z=h)
     for side in (-1, 1):
-        k.box(stuff, 0.006, t + 0.002, h, x=side * (w / 2 - 0.001))
-    k.box(stuff, w, t + 0.002, 0.006, z=h - 0.005)
+        k.box(stuff, 0.006, t + 0.006, h, x=side * (w / 2 - 0.001))
+    k.box(stuff, w, t + 0.006, 0.006, z=h - 0.005)
     if "arched" in opening.attributes:
         for side in (-1, 1):
             turn = (0.0, 0.0, 0.0 if side > 0 else math.pi)
@@ -97,4 +97,4 @@ def _window(k: Kit, house: House, opening: Opening) -> None:
         k.box("plain-white", CASING_M, _PROUD_M, h, x=s * (w + CASING_M) / 2, y=proud, z=z)
     k.box("plain-white", w + 2 * CASING_M, _PROUD_M, CASING_M, y=proud, z=z + h)
     if z > 0.05:
-        k.box("plain-white", w + 2 * CASING_M + 0.04, 0.1, 0.03, y=inside * t / 2, z=z - 0.034)
+        k.box("plain-white", w + 2 * CASING_M + 0.04, 0.08, 0.03, y=inside * t / 2, z=z - 0.034)
