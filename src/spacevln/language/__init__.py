@@ -1,6 +1,7 @@
-"""Words and what they stand for: landmark normalisation (Norm), ParseRegion, the lexicon and the clause parser. Standard library only."""
+"""Words and what they stand for: Norm, ParseRegion, the lexicon and the clause parser. Standard library only."""
 
-from spacevln.language.clauses import Clause, ClauseType, parse
+from spacevln.language.clauses import Clause, parse
+from spacevln.language.grammar import ClauseType
 from spacevln.language.grounding import (
     attributes_of,
     cue_kind,
@@ -15,17 +16,22 @@ from spacevln.language.grounding import (
     region_scores,
     same_thing,
 )
+from spacevln.language.object_rooms import LEADS_ON, ROOM_SHARES, SINGLE_ROOMS, chance_in_room
 from spacevln.language.phrases import NounPhrase
 from spacevln.language.regions_lexicon import REGION_CUES
 from spacevln.language.vocabulary import NounKind
 
 __all__ = [
+    "LEADS_ON",
     "REGION_CUES",
+    "ROOM_SHARES",
+    "SINGLE_ROOMS",
     "Clause",
     "ClauseType",
     "NounKind",
     "NounPhrase",
     "attributes_of",
+    "chance_in_room",
     "cue_kind",
     "head_noun",
     "infer_region",

@@ -208,13 +208,17 @@ people: person, man, woman
 """
 
 _OPENING_GROUPS = """
-doorway: door, doors, doorways, door way, doorframe, door frame, threshold, double doors, double door, french doors, french door, glass door, glass doors, sliding door, sliding doors, sliding glass door, sliding glass doors, front door, entrance door, entrance, entrances, entry, entry door, exit, door opening, door threshold, gate
+doorway: door, doors, doorways, door way, doorframe, door frame, threshold, double doors, double door
+doorway: french doors, french door, glass door, glass doors
+doorway: sliding door, sliding doors, sliding glass door, sliding glass doors, front door
+doorway: entrance door, entrance, entrances, entry, entry door, exit, door opening, door threshold, gate
 opening: open passage, openings, gap, pass through, passthrough, wide opening, cased opening
 archway: arch, arches, archways, arched doorway, arched opening, arch way
 """
 
 _STAIRS_GROUPS = """
-stairs: staircase, stairway, stair, stairwell, steps, step, flight of stairs, set of stairs, stair case, spiral staircase, staircases, stairways, flight, flights
+stairs: staircase, stairway, stair, stairwell, steps, step, flight of stairs, set of stairs, stair case
+stairs: spiral staircase, staircases, stairways, flight, flights
 """
 
 GENERIC_SPACES = (
@@ -482,8 +486,11 @@ DIGIT_WORDS = MappingProxyType(
 
 
 def _groups(table: str) -> dict[str, tuple[str, ...]]:
-    rows = (line.partition(":") for line in table.strip().splitlines())
-    return {name.strip(): tuple(alias.strip() for alias in rest.split(",") if alias.strip()) for name, _, rest in rows}
+    groups: dict[str, tuple[str, ...]] = {}
+    for line in table.strip().splitlines():
+        name, _, rest = line.partition(":")
+        groups[name] = (*groups.get(name, ()), *(alias.strip() for alias in rest.split(",") if alias.strip()))
+    return groups
 
 
 OBJECTS = MappingProxyType(_groups(_OBJECT_GROUPS))

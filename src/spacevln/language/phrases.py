@@ -13,37 +13,261 @@ DETERMINERS = frozenset(
     {"the", "a", "an", "your", "this", "that", "these", "those", "another", "some", "its", "any", "each", "every"}
 )
 FUNCTION_WORDS = DETERMINERS | frozenset(
-    """and or then to into onto in on at by near of off out up down over under through past along across around between behind before after
-    until till once when while as if so with without toward towards from for is are be will would you your it them there here turn walk go
-    head move stop wait stand exit leave enter continue proceed keep take make pass follow cross climb ascend descend straight forward
-    ahead left right back beside next inside outside reach get see face facing hang veer bear step come but not n't that which where
-    directly slightly immediately just only slight sharp sharply hard quick gentle bit degree degrees all way beyond toward against opposite until""".split()
+    [
+        "and",
+        "or",
+        "then",
+        "to",
+        "into",
+        "onto",
+        "in",
+        "on",
+        "at",
+        "by",
+        "near",
+        "of",
+        "off",
+        "out",
+        "up",
+        "down",
+        "over",
+        "under",
+        "through",
+        "past",
+        "along",
+        "across",
+        "around",
+        "between",
+        "behind",
+        "before",
+        "after",
+        "until",
+        "till",
+        "once",
+        "when",
+        "while",
+        "as",
+        "if",
+        "so",
+        "with",
+        "without",
+        "toward",
+        "towards",
+        "from",
+        "for",
+        "is",
+        "are",
+        "be",
+        "will",
+        "would",
+        "you",
+        "your",
+        "it",
+        "them",
+        "there",
+        "here",
+        "turn",
+        "walk",
+        "go",
+        "head",
+        "move",
+        "stop",
+        "wait",
+        "stand",
+        "exit",
+        "leave",
+        "enter",
+        "continue",
+        "proceed",
+        "keep",
+        "take",
+        "make",
+        "pass",
+        "follow",
+        "cross",
+        "climb",
+        "ascend",
+        "descend",
+        "straight",
+        "forward",
+        "ahead",
+        "left",
+        "right",
+        "back",
+        "beside",
+        "next",
+        "inside",
+        "outside",
+        "reach",
+        "get",
+        "see",
+        "face",
+        "facing",
+        "hang",
+        "veer",
+        "bear",
+        "step",
+        "come",
+        "but",
+        "not",
+        "n't",
+        "that",
+        "which",
+        "where",
+        "directly",
+        "slightly",
+        "immediately",
+        "just",
+        "only",
+        "slight",
+        "sharp",
+        "sharply",
+        "hard",
+        "quick",
+        "gentle",
+        "bit",
+        "degree",
+        "degrees",
+        "all",
+        "way",
+        "beyond",
+        "toward",
+        "against",
+        "opposite",
+        "until",
+    ]
 )
 # nouns that are verbs or adverbs as often: read as nouns only after a determiner or an adjective
 _AMBIGUOUS = frozenset(
-    """exit entry step steps head face light top end back front left right post seat rack range throw iron bin phone pass landing
-    start side screen rail bar foot base middle center edge flight lift sign floor tile inside outside outdoors living art bath fan
-    photo""".split()
+    [
+        "exit",
+        "entry",
+        "step",
+        "steps",
+        "head",
+        "face",
+        "light",
+        "top",
+        "end",
+        "back",
+        "front",
+        "left",
+        "right",
+        "post",
+        "seat",
+        "rack",
+        "range",
+        "throw",
+        "iron",
+        "bin",
+        "phone",
+        "pass",
+        "landing",
+        "start",
+        "side",
+        "screen",
+        "rail",
+        "bar",
+        "foot",
+        "base",
+        "middle",
+        "center",
+        "edge",
+        "flight",
+        "lift",
+        "sign",
+        "floor",
+        "tile",
+        "inside",
+        "outside",
+        "outdoors",
+        "living",
+        "art",
+        "bath",
+        "fan",
+        "photo",
+    ]
 )
 _OPENING_LINKS = (
-    ("that", "leads", "into"), ("that", "leads", "to"), ("which", "leads", "to"), ("leading", "into"), ("leading", "out", "to"),
-    ("leading", "to"), ("that", "goes", "to"), ("that", "goes", "into"), ("that", "opens", "to"), ("that", "leads", "out", "to"),
-    ("that", "opens", "into"), ("leading", "toward"), ("leading", "towards"), ("into",), ("to",), ("for",), ("of",),
-)  # fmt: skip
+    ("that", "leads", "into"),
+    ("that", "leads", "to"),
+    ("which", "leads", "to"),
+    ("leading", "into"),
+    ("leading", "out", "to"),
+    ("leading", "to"),
+    ("that", "goes", "to"),
+    ("that", "goes", "into"),
+    ("that", "opens", "to"),
+    ("that", "leads", "out", "to"),
+    ("that", "opens", "into"),
+    ("leading", "toward"),
+    ("leading", "towards"),
+    ("into",),
+    ("to",),
+    ("for",),
+    ("of",),
+)
 _LINKS = (
-    ("in", "front", "of"), ("across", "from"), ("to", "the", "left", "of"), ("to", "the", "right", "of"), ("next", "to"),
-    ("on", "the", "left", "side", "of"), ("on", "the", "right", "side", "of"), ("on", "the", "left", "of"),
-    ("on", "the", "right", "of"), ("at", "the", "end", "of"), ("close", "to"), ("left", "of"), ("right", "of"),
-    ("of",), ("with",), ("beside",), ("near",), ("opposite",), ("behind",), ("against",), ("by",), ("under",), ("between",),
-)  # fmt: skip
+    ("in", "front", "of"),
+    ("across", "from"),
+    ("to", "the", "left", "of"),
+    ("to", "the", "right", "of"),
+    ("next", "to"),
+    ("on", "the", "left", "side", "of"),
+    ("on", "the", "right", "side", "of"),
+    ("on", "the", "left", "of"),
+    ("on", "the", "right", "of"),
+    ("at", "the", "end", "of"),
+    ("close", "to"),
+    ("left", "of"),
+    ("right", "of"),
+    ("of",),
+    ("with",),
+    ("beside",),
+    ("near",),
+    ("opposite",),
+    ("behind",),
+    ("against",),
+    ("by",),
+    ("under",),
+    ("between",),
+)
 _SIDE_LEADS = (
-    ("on", "the"), ("on", "your"), ("to", "the"), ("to", "your"), ("at", "your"), ("at", "the"), ("on", "its"), ("off", "to", "the"), ("over", "on", "the"),
-    ("on", "the", "far"), ("on", "the", "immediate"), ("to", "the", "far"), ("on", "the", "opposite"), ("on",),
-    ("that", "is", "on", "the"), ("that", "is", "on", "your"), ("is", "on", "the"), ("is", "on", "your"), ("will", "be", "on", "your"), ("will", "be", "on", "the"),
-    ("that", "is", "to", "the"), ("that", "is", "to", "your"), ("located", "on", "the"), ("immediately", "to", "the"), ("immediately", "to", "your"),
-)  # fmt: skip
-_AHEAD = (("in", "front", "of", "you"), ("straight", "ahead", "of", "you"), ("ahead", "of", "you"), ("directly", "in", "front", "of", "you"),
-          ("directly", "ahead"), ("straight", "ahead"), ("that", "is", "in", "front", "of", "you"))  # fmt: skip
+    ("on", "the"),
+    ("on", "your"),
+    ("to", "the"),
+    ("to", "your"),
+    ("at", "your"),
+    ("at", "the"),
+    ("on", "its"),
+    ("off", "to", "the"),
+    ("over", "on", "the"),
+    ("on", "the", "far"),
+    ("on", "the", "immediate"),
+    ("to", "the", "far"),
+    ("on", "the", "opposite"),
+    ("on",),
+    ("that", "is", "on", "the"),
+    ("that", "is", "on", "your"),
+    ("is", "on", "the"),
+    ("is", "on", "your"),
+    ("will", "be", "on", "your"),
+    ("will", "be", "on", "the"),
+    ("that", "is", "to", "the"),
+    ("that", "is", "to", "your"),
+    ("located", "on", "the"),
+    ("immediately", "to", "the"),
+    ("immediately", "to", "your"),
+)
+_AHEAD = (
+    ("in", "front", "of", "you"),
+    ("straight", "ahead", "of", "you"),
+    ("ahead", "of", "you"),
+    ("directly", "in", "front", "of", "you"),
+    ("directly", "ahead"),
+    ("straight", "ahead"),
+    ("that", "is", "in", "front", "of", "you"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,29 +342,29 @@ def _modifiers(words: list[str], i: int) -> tuple[int, list[str], int, str, bool
             other = True
         elif word in ATTRIBUTES:
             attributes.append(_GREY.get(word, word))
-        elif word not in ADJECTIVES and word not in ("hand", "very", "most", "more", "of"):
-            break
-        elif word == "of" and (i == 0 or words[i - 1] not in ("set", "pair", "row", "couple", "flight", "sets")):
+        elif (word not in ADJECTIVES and word not in ("hand", "very", "most", "more", "of")) or (
+            word == "of" and (i == 0 or words[i - 1] not in ("set", "pair", "row", "couple", "flight", "sets"))
+        ):
             break
         i += 1
     return i, attributes, ordinal, side, other
 
 
+def _is_unknown(words: list[str], j: int) -> bool:
+    return words[j] not in FUNCTION_WORDS and words[j][0].isalnum() and match(words, j) is None
+
+
 def _head(words: list[str], i: int, determined: bool) -> tuple[Term, int, str] | None:
     """The head noun from ``i``: term, next index, and the region of a compound such as "bathroom door"."""
     hit = match(words, i)
-    if hit is None:
-        if not determined:
-            return None
+    if hit is None and not determined:
+        return None
+    if hit is None:  # after an article: up to three unknown words, then perhaps a known noun
         j = i
-        while (
-            j < len(words) and j < i + 3 and words[j] not in FUNCTION_WORDS and words[j][0].isalnum() and match(words, j) is None
-        ):
+        while j < len(words) and j < i + 3 and _is_unknown(words, j):
             j += 1
-        if j < len(words) and j > i and match(words, j) is not None and words[j] not in FUNCTION_WORDS:
-            hit = match(words, j)
-            assert hit is not None
-        else:
+        hit = match(words, j) if i < j < len(words) and words[j] not in FUNCTION_WORDS else None
+        if hit is None:
             return (Term(" ".join(words[i:j]), NounKind.OBJECT), j, "") if j > i else None
     region = ""
     term, j = hit
