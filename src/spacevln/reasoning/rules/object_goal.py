@@ -1,27 +1,47 @@
-"""Object-goal search: a seen instance first, else the most promising unseen place."""
+"""Object-goal search: a seen instance first, else the unseen place with the best chance for the steps it costs."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import IntEnum
 
-from spacevln.core import PlannerContext
-from spacevln.language import REGION_CUES, head_noun
-from spacevln.language.occurrence import ROOMS_OF
+import numpy as np
+
+from spacevln.core import PlannerContext, StageEnd
+from spacevln.language import head_noun
 from spacevln.perception.attributes import Agreement
 from spacevln.perception.matching import fit
+from spacevln.reasoning.rules.beliefs import Beliefs
+from spacevln.reasoning.rules.grid import NOWHERE
 from spacevln.reasoning.rules.heading import way_length_m
-from spacevln.reasoning.rules.search import approach_point
-from spacevln.reasoning.rules.sightings import XY
+from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal, Thing
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World
 
-WALK_COST_PER_M = 0.12
-UNKNOWN_PROMISE = 0.45
-HALLWAY_PROMISE = 0.6
-LEAST_PROMISE = 0.08
-FAILURE_COST = 1.5
-STAIRS_COST = 0.9
+STEPS_PER_M = 4.6  # forwards of 0.25 m, and turns on the way
+STAGE_STEPS = 16.0  # a look-around and the turns to the next direction
+STAIRS_STEPS = 30.0
+FAILED = 0.3  # what a failed stage leaves of a place's hope
+GUESSED = 0.6  # and a portal whose threshold was not seen
+LOOKED_M = 0.9  # a place this near to a look-around hides nothing more
+EDGE = 0.5  # a frontier shows a part of a room
+TIGHT = 0.1  # hope that cannot be reached with the steps left
+STAND_OFF_M = 0.65  # from a goal's nearest surface
+AT_GOAL_M = 0.75
+STOOD_M = 0.35  # around a place from which the goal was not confirmed
+KIND_STEPS = 70  # another kind of the goal's genus does when no more steps are left
+
+
+Option = tuple[float, float, "Quest"]  # chance of finding the goal there, steps beside the way, where
+
+
+class Match(IntEnum):
+    """How well a seen thing's name fits the goal's."""
+
+    KIND = 1  # of the same genus: "wall cabinet" for "cabinet"
+    NAME = 2  # the very name or another name of the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,116 +64,176 @@ class Quest:
     stairs: bool = False
 
 
-def likely_regions(goal: str) -> dict[str, float]:
-    """How likely a room of each type holds the goal, 0 to 1: from co-occurrence, else from what tells a room."""
-    words = " ".join(goal.lower().replace("_", " ").split())
-    if words in ROOMS_OF or head_noun(goal) in ROOMS_OF:
-        return ROOMS_OF.get(words) or ROOMS_OF[head_noun(goal)]
-    head = head_noun(goal)
-    weights = {region: cues[head] for region, cues in REGION_CUES.items() if head in cues}
-    strongest = max(weights.values(), default=0.0)
-    return {region: weight / strongest for region, weight in weights.items()} if strongest else {}
+def match(goal: str, name: str, attributes: tuple[str, ...]) -> Match | None:
+    """How well a thing of a name fits a goal; None when it does not.
+
+    An object goal names a category, so that a qualifier on one side alone makes another kind: a "round table" is a kind of
+    "table", and a "table" need not be round.
+    """
+    if fit(goal, name, attributes) is not Agreement.AGREED:
+        return None
+    wanted, found = _words(goal), _words(name)
+    if wanted == found:
+        return Match.NAME
+    qualified = found[-len(wanted) :] == wanted or wanted[-len(found) :] == found
+    return Match.NAME if head_noun(goal) == head_noun(name) and not qualified else Match.KIND
+
+
+def _words(name: str) -> list[str]:
+    return name.lower().replace("-", " ").split()
 
 
 def find_object(context: PlannerContext, world: World, goal: str, state: EpisodeState) -> Quest | None:
     """The next place of the search; None when nothing is left to look at."""
-    return _seen_instance(context, world, goal, state) or _best_unseen(context, world, goal, state)
+    found = _seen_instance(context, world, goal, state, Match.NAME) if goal else None
+    if found is None and goal and context.steps_left < KIND_STEPS:
+        found = _seen_instance(context, world, goal, state, Match.KIND)
+    if found is None:
+        found = _best_unseen(context, world, goal, state)
+    return found or (_seen_instance(context, world, goal, state, Match.KIND) if goal else None)
 
 
-def _seen_instance(context: PlannerContext, world: World, goal: str, state: EpisodeState) -> Quest | None:
-    best: tuple[float, Quest] | None = None
+def at_goal(context: PlannerContext, world: World, goal: str) -> bool:
+    """Whether an instance of the goal is in view within arm's reach, or the last stage arrived at one that is that near."""
+    least = Match.NAME if context.steps_left >= KIND_STEPS else Match.KIND
+    for view in context.views:
+        for sighting in view.sightings:
+            verdict = match(goal, sighting.category, sighting.attributes)
+            if verdict is not None and verdict >= least and sighting.distance_m <= AT_GOAL_M:
+                return True
+    arrived = (
+        context.feedback is not None
+        and context.feedback.end is StageEnd.ARRIVAL
+        and context.last_subtask is not None
+        and context.last_subtask.targets_final_anchor
+    )
+    here = context.pose.xy_m[None]
+    return arrived and any(float(thing.distance_m(here)[0]) <= AT_GOAL_M + 0.1 for thing in _instances(world, goal, least))
+
+
+def _instances(world: World, goal: str, least: Match) -> Iterator[Thing]:
     for thing in world.sightings.things:
-        verdict = None if not goal else fit(goal, thing.category, thing.attributes)
-        if thing.floor != world.floor or verdict is None or verdict is not Agreement.AGREED:
-            continue
-        floor, room = world.room_of_thing[thing.id]
-        if not room:
-            continue
-        xy = approach_point(world, thing, floor, room, (context.pose.x_m, context.pose.y_m))
+        if thing.floor == world.floor:
+            verdicts = [verdict for name in thing.names if (verdict := match(goal, name, thing.attributes)) is not None]
+            if verdicts and max(verdicts) >= least:
+                yield thing
+
+
+def _seen_instance(context: PlannerContext, world: World, goal: str, state: EpisodeState, least: Match) -> Quest | None:
+    best: tuple[float, Quest] | None = None
+    for thing in _instances(world, goal, least):
+        xy = standing_place(context, world, thing, state)
         if xy is None:
             continue
-        cost = way_length_m(context, xy) + 4.0 * state.failed(floor, xy)
+        cost = way_length_m(context, xy) + 4.0 * state.failed(world.floor, xy)
         if best is None or cost < best[0]:
-            best = (cost, Quest(xy, floor, True, "", f"a {thing.category} is seen"))
+            best = (cost, Quest(xy, world.floor, True, "", f"a {thing.names[0]} is seen"))
     return None if best is None else best[1]
 
 
+def standing_place(context: PlannerContext, world: World, thing: Thing, state: EpisodeState) -> XY | None:
+    """A free place to stand before a thing, at ``STAND_OFF_M`` from its seen surface; None when there is none.
+
+    Preferred are places in the room it was seen in, on the side from which it was seen, with room around them, near the agent,
+    and away from where the agent already stood in vain.
+    """
+    grid = world.grids[world.floor]
+    cells = np.argwhere(grid.rooms > 0)
+    centres = grid.origin + (cells + 0.5) * 0.15
+    near = np.hypot(*(centres - np.array(thing.xy)).T) < 1.8 + thing.extent_m
+    cells, centres = cells[near], centres[near]
+    if not len(centres):
+        return None
+    distance = thing.distance_m(centres)
+    clear = grid.clearance_m[cells[:, 0], cells[:, 1]]
+    room = world.room_of_thing[thing.id][1]
+    elsewhere = grid.rooms[cells[:, 0], cells[:, 1]] != room if room else np.zeros(len(cells), dtype=np.bool_)
+    before, side = np.array(thing.seen_from) - np.array(thing.xy), centres - np.array(thing.xy)
+    cosine = (side @ before) / np.maximum(np.hypot(*side.T) * math.hypot(*before), 1e-6)
+    cost = np.abs(distance - STAND_OFF_M) + 0.05 * np.hypot(*(centres - context.pose.xy_m).T)
+    cost += np.where(clear < 0.2, 0.6, 0.0) + 0.8 * elsewhere + 0.1 * (1.0 - cosine)
+    for floor, xy in (*world.visited, *state.failures):
+        if floor == world.floor:
+            cost += 0.5 * (np.hypot(*(centres - np.array(xy)).T) < STOOD_M)
+    for index in np.argsort(cost, kind="stable")[:40:4]:
+        if distance[index] < 1.6 and math.isfinite(context.space.geodesic_m(context.pose.xy_m, centres[index])):
+            return float(centres[index, 0]), float(centres[index, 1])
+    best = int(np.argmin(cost))
+    return (float(centres[best, 0]), float(centres[best, 1])) if distance[best] < 1.6 else None
+
+
 def _best_unseen(context: PlannerContext, world: World, goal: str, state: EpisodeState) -> Quest | None:
-    likely = likely_regions(goal)
-    options: list[tuple[float, Quest]] = []
+    """Chance over steps: of independent places to search, the order by that ratio finds the object soonest."""
+    beliefs = Beliefs(world, goal)
+    best: tuple[float, XY, Quest] | None = None
+    options = (*_beyond_portals(world, beliefs), *_edges(world, beliefs), *_storeys(context, world, beliefs, state))
+    for chance, steps, quest in options:
+        needed = STAGE_STEPS + steps + STEPS_PER_M * way_length_m(context, quest.xy)
+        hope = chance * FAILED ** state.failed(quest.floor, quest.xy)
+        if needed > context.steps_left:
+            hope *= TIGHT
+        rank = (round(hope / needed, 9), quest.xy, quest)
+        if best is None or rank[:2] > best[:2]:
+            best = rank
+    return None if best is None else best[2]
+
+
+def _looked(world: World, xy: XY) -> bool:
+    return any(floor == world.floor and math.dist(xy, seen) < LOOKED_M for floor, seen in world.visited)
+
+
+def _beyond_portals(world: World, beliefs: Beliefs) -> Iterator[Option]:
     for portal in world.sightings.portals:
         if portal.floor != world.floor:
             continue
         rooms = world.portal_rooms[portal.id]
         for side in (0, 1):
             near, far = rooms[side], rooms[1 - side]
-            if (
-                not near
-                or (far and (world.floor, far) in world.visited_rooms)
-                or ((world.floor, near) not in world.visited_rooms and far)
-            ):
+            if not near or (far and (world.floor, far) in world.visited_rooms):
                 continue
-            gain = 2.0 * promise(world, far, likely)
-            xy = next(
-                (p for reach in (1.2, 0.9, 0.6) if world.room_at(world.floor, p := portal.beside(1 - side, reach), 0.1)),
-                portal.beside(1 - side, 0.7),
-            )
+            if far and (world.floor, near) not in world.visited_rooms:
+                continue
+            xy = _inside(world, portal, 1 - side)
+            if _looked(world, xy):
+                continue
+            hope = beliefs.unseen(far) * beliefs.holds(far) + beliefs.leads_on(far)
+            if portal.quality < PRECISE_QUALITY:
+                hope *= GUESSED
             region = world.region(world.floor, far) if far else ""
-            options.append(
-                (
-                    gain,
-                    Quest(
-                        xy,
-                        world.floor,
-                        False,
-                        region or f"{portal.category} beyond",
-                        f"the {portal.category} leads to {region or 'an unseen place'}",
-                    ),
-                )
-            )
+            words = f"the {portal.category} leads to {region or 'an unseen place'}"
+            yield hope, 0.0, Quest(xy, world.floor, False, region or f"{portal.category} beyond", words)
+
+
+def _inside(world: World, portal: Portal, side: int) -> XY:
+    """A place just inside the room on a side of a portal, from which most of the room is in view."""
+    for reach in (1.0, 1.2, 0.8, 0.6):
+        xy = portal.beside(side, reach)
+        if world.room_at(world.floor, xy, 0.1):
+            return xy
+    return portal.beside(side, 0.7)
+
+
+def _edges(world: World, beliefs: Beliefs) -> Iterator[Option]:
     for frontier in world.frontiers:
-        if not math.isfinite(frontier.geodesic_m):
+        if not math.isfinite(frontier.geodesic_m) or _looked(world, frontier.position_m):
             continue
         room = world.room_at(world.floor, frontier.position_m, 0.6)
-        gain = (0.4 + 0.3 * min(frontier.width_m, 2.0)) * (0.2 + promise(world, room, likely))
+        share = EDGE * min(frontier.width_m, 2.0) / 2.0
+        hope = share * beliefs.unseen(room) * beliefs.holds(room)
+        if room == NOWHERE or (world.floor, room) not in world.visited_rooms:
+            hope += share * beliefs.leads_on(room)
         region = world.region(world.floor, room) if room else ""
-        options.append(
-            (
-                gain,
-                Quest(
-                    frontier.position_m,
-                    world.floor,
-                    False,
-                    "edge of the known floor",
-                    f"part of the {region or 'place'} is not seen yet",
-                ),
-            )
-        )
+        words = f"part of the {region or 'place'} is not seen yet"
+        yield hope, 0.0, Quest(frontier.position_m, world.floor, False, "edge of the known floor", words)
+
+
+def _storeys(context: PlannerContext, world: World, beliefs: Beliefs, state: EpisodeState) -> Iterator[Option]:
     for stairs in world.sightings.things:
-        if stairs.category == "stairs" and stairs.floor == world.floor:
-            room = world.room_of_thing[stairs.id][1]
-            point = approach_point(world, stairs, world.floor, room, (context.pose.x_m, context.pose.y_m)) if room else None
-            if point is not None:
-                used = sum(1 for link in world.links if world.floor in (link.floor, link.other_floor))
-                options.append(
-                    (
-                        1.0 - STAIRS_COST - used,
-                        Quest(point, world.floor, False, "stairs", "the stairs lead to another floor", True),
-                    )
-                )
-    scored = [
-        (gain - WALK_COST_PER_M * way_length_m(context, q.xy) - FAILURE_COST * state.failed(q.floor, q.xy), q)
-        for gain, q in options
-    ]
-    return max(scored, key=lambda item: (round(item[0], 6), item[1].xy))[1] if scored else None
-
-
-def promise(world: World, room: int, likely: dict[str, float]) -> float:
-    """How likely entering a room brings the goal nearer: it may hold it, or, as a hallway, lead on to where it is."""
-    region = world.region(world.floor, room) if room else ""
-    if not region:
-        return UNKNOWN_PROMISE
-    if not likely:
-        return UNKNOWN_PROMISE if region != "hallway" else HALLWAY_PROMISE
-    held = likely.get(region, 0.0)
-    return max(held, HALLWAY_PROMISE) if region == "hallway" else max(held, LEAST_PROMISE)
+        if stairs.category != "stairs" or stairs.floor != world.floor:
+            continue
+        xy = standing_place(context, world, stairs, state)
+        if xy is None:
+            continue
+        used = sum(1 for link in world.links if world.floor in (link.floor, link.other_floor))
+        hope = beliefs.on_another_storey() * 0.3**used
+        yield hope, STAIRS_STEPS, Quest(xy, world.floor, False, "stairs", "the stairs lead to another floor", True)

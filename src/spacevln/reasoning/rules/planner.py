@@ -25,7 +25,7 @@ from spacevln.core import (
 )
 from spacevln.language import Clause, cue_kind, known_categories, norm, region_kind
 from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, reachable_goal, way_length_m
-from spacevln.reasoning.rules.object_goal import find_object
+from spacevln.reasoning.rules.object_goal import at_goal, find_object
 from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses
 from spacevln.reasoning.rules.search import Hypothesis, Search, worth
 from spacevln.reasoning.rules.sightings import XY
@@ -209,7 +209,7 @@ class RulePlanner:
             and goal.floor == world.floor
             and context.stage > 0
             and not context.rejections
-            and self._at(context, goal, reached)
+            and self._at(context, world, goal, reached)
         )
         if complete:
             if verified[-1] != goal.anchor or len(verified) < 2:
@@ -251,7 +251,9 @@ class RulePlanner:
         )
         return PlannerReply(subtask, thought, fallbacks)
 
-    def _at(self, context: PlannerContext, goal: Goal, reached: bool) -> bool:
+    def _at(self, context: PlannerContext, world: World, goal: Goal, reached: bool) -> bool:
+        if isinstance(context.task, ObjectGoalTask):
+            return at_goal(context, world, context.task.goal)
         headed = context.last_subtask is not None and context.last_subtask.targets_final_anchor
         near = context.pose.distance_m(*goal.xy) <= ARRIVED_M
         if goal.anchor.cue:

@@ -42,6 +42,7 @@ class Thing:
         surface: seen surface points.
         weight: pixels seen so far.
         seen_from: where the body stood at the first sight.
+        names: what detections called it, the first first.
     """
 
     id: int
@@ -54,6 +55,7 @@ class Thing:
     surface: list[XY] = field(default_factory=list)
     weight: float = 1.0
     seen_from: XY = (0.0, 0.0)
+    names: list[str] = field(default_factory=list)
 
     @property
     def front(self) -> XY:
@@ -167,6 +169,8 @@ class Sightings:
             thing.weight += weight
             thing.extent_m = max(thing.extent_m, sighting.extent_m)
             thing.surface = (thing.surface + surface)[-MAX_SURFACE:]
+            if sighting.category not in thing.names:
+                thing.names.append(sighting.category)
             thing.attributes = thing.attributes or attributes
             return
         self.things.append(
@@ -181,6 +185,7 @@ class Sightings:
                 surface[:MAX_SURFACE],
                 weight,
                 seen_from,
+                [sighting.category],
             )
         )
 

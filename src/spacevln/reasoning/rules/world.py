@@ -69,6 +69,7 @@ class World:
         self.frontiers = tuple(f for f in frontiers if f.width_m >= LEAST_FRONTIER_M and not _looked_at(f, floor, visited))
         self.floor = floor
         self.links = tuple(links)
+        self.visited = tuple(visited)
         self.visited_rooms = {(f, grids[f].room_at(xy)) for f, xy in visited if f in grids}
         self._scores: dict[tuple[int, int], dict[str, float]] = {}
         self._legs: dict[tuple[object, ...], Leg | None] = {}

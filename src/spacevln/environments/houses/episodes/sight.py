@@ -8,6 +8,7 @@ import numpy as np
 
 from spacevln.environments.houses.episodes.item_geometry import item_local, nearest_surface_point
 from spacevln.environments.houses.episodes.space import EYE_M, Bool, Float
+from spacevln.environments.houses.furniture.mesh import rotation
 from spacevln.environments.houses.layout import walls
 from spacevln.environments.houses.plan import House, Item, Part
 
@@ -103,5 +104,5 @@ def _part_box(item: Item, part: Part) -> tuple[float, ...]:
     a, b, c = part.size
     half = {"cylinder": (a, a, b), "capsule": (a, a, a + b)}.get(part.shape, (a, b, c))
     if part.euler_rad != (0.0, 0.0, 0.0):
-        half = (max(half),) * 3 if min(part.euler_rad[:2]) != max(part.euler_rad[:2]) else half
+        half = tuple(np.abs(rotation(part.euler_rad)) @ np.array(half))
     return x - half[0], y - half[1], z - half[2], x + half[0], y + half[1], z + half[2]
