@@ -20,7 +20,6 @@ from spacevln.core import (
     TurnRight,
     describe,
 )
-
 from spacevln.reasoning.rules.grid import comfortable_way
 
 Float = NDArray[np.float64]
@@ -106,7 +105,7 @@ class RuleExecutor:
         """Nothing admissible gains along the path: the smallest turn to a side that is open, else a short forward, else STOP."""
         allowed = context.admissible
         for steps in sorted((s for s in range(-HALF_TURN + 1, HALF_TURN) if s), key=lambda s: (abs(s), s)):
-            if (steps > 0 and allowed.left or steps < 0 and allowed.right) and reach[steps % (2 * HALF_TURN)] >= 0.5:
+            if ((steps > 0 and allowed.left) or (steps < 0 and allowed.right)) and reach[steps % (2 * HALF_TURN)] >= 0.5:
                 turn: Action = TurnLeft(steps * TURN_DEG) if steps > 0 else TurnRight(-steps * TURN_DEG)
                 return turn, TurnPurpose.AVOID
         return (MoveForward(allowed.forward_m[0]), None) if allowed.forward_m else (Stop(), None)
@@ -181,7 +180,8 @@ def _reply(
     found = (
         "no landmark is tracked"
         if candidate is None
-        else f"{candidate.category} at {candidate.distance_m:.2f} m, {math.degrees(candidate.bearing_rad):+.0f} deg, {'visible' if candidate.visible else 'remembered'}"
+        else f"{candidate.category} at {candidate.distance_m:.2f} m, {math.degrees(candidate.bearing_rad):+.0f} deg, "
+        f"{'visible' if candidate.visible else 'remembered'}"
     )
     thought = ExecutorThought(
         view=f"front {obstacles.front_m:.2f} m, left {obstacles.left_30_m:.2f} m, right {obstacles.right_30_m:.2f} m free",

@@ -16,9 +16,24 @@ from spacevln.reasoning.rules.world import World
 
 T = ClauseType
 WEIGHT = {
-    T.TURN: 1.0, T.TURN_AROUND: 0.4, T.STRAIGHT: 0.3, T.LEAVE: 0.8, T.ENTER: 1.2, T.THROUGH: 0.8, T.PAST: 1.0, T.TO: 0.8, T.TOWARD: 0.8,
-    T.ALONG: 0.8, T.ACROSS: 0.4, T.AROUND: 0.8, T.BETWEEN: 1.0, T.STAIRS: 1.6, T.STOP: 1.4, T.ORIENT: 0.5, T.NOTICE: 0.2,
-}  # fmt: skip
+    T.TURN: 1.0,
+    T.TURN_AROUND: 0.4,
+    T.STRAIGHT: 0.3,
+    T.LEAVE: 0.8,
+    T.ENTER: 1.2,
+    T.THROUGH: 0.8,
+    T.PAST: 1.0,
+    T.TO: 0.8,
+    T.TOWARD: 0.8,
+    T.ALONG: 0.8,
+    T.ACROSS: 0.4,
+    T.AROUND: 0.8,
+    T.BETWEEN: 1.0,
+    T.STAIRS: 1.6,
+    T.STOP: 1.4,
+    T.ORIENT: 0.5,
+    T.NOTICE: 0.2,
+}
 PASS_M = 2.5
 NEAR_M = 1.5
 STRAIGHT_RAD = math.radians(50)
@@ -102,11 +117,11 @@ class Matcher:
         return []
 
     def _branch(self, clause: Clause, leg: Leg) -> list[Option]:
-        """ "Take the second left" is a way out of the space, counted on its side."""
+        """A "second left" to take is a way out of the space, counted on its side."""
         if not clause.ordinal or leg.kind != "cross" or leg.portal is None:
             return []
         side, number = self.ordinal(leg, leg.portal)
-        if side and side != clause.side or not side and not self.lies(leg, leg.portal, clause.side):
+        if (side and side != clause.side) or (not side and not self.lies(leg, leg.portal, clause.side)):
             return []
         agree = 1.3 if number == clause.ordinal else 0.7 if number == 0 and clause.ordinal in (1, -1) else 0.2
         return [Option(leg.length_m, WEIGHT[T.TURN] * agree, THROUGH)]
@@ -204,11 +219,11 @@ class Matcher:
                 if d[k] < NEAR_M + 0.6 and (d[0] - d[k] > 0.4 or d[k] < 1.0):
                     found.append(Option(k * 0.2, weight * value * (1.0 if d[k] < NEAR_M else 0.8)))
         elif phrase.kind is NounKind.OPENING:
-            for portal, side in self.world.portals_of(leg.node.floor, leg.node.room):
+            for portal, _ in self.world.portals_of(leg.node.floor, leg.node.room):
                 d = np.hypot(*(leg.points - np.array(portal.xy)).T)
                 k = int(np.argmin(d))
                 if d[k] < NEAR_M:
-                    found.append(Option(k * 0.2, 0.7 * weight * self.portal_fits(phrase, portal, side, leg)))
+                    found.append(Option(k * 0.2, 0.7 * weight * self.portal_fits(phrase, portal, leg)))
         if phrase.part in ("end", "far end", "other end") and leg.length_m > 1.5:
             found.append(Option(leg.length_m, weight * 0.8))
         return found
@@ -254,7 +269,7 @@ class Matcher:
             return [Option(leg.length_m, 0.7 * weight, ENTERS)]
         if phrase.kind is NounKind.OPENING:
             use = ENTERS if clause.type is T.TO else THROUGH
-            agree = self.portal_fits(phrase, leg.portal, leg.side, leg)
+            agree = self.portal_fits(phrase, leg.portal, leg)
             if phrase.region:
                 agree *= 0.7 + 0.3 * self.world.compatible(phrase.region, leg.node.floor, target)
             return [Option(leg.length_m, weight * agree, use)]
@@ -262,7 +277,7 @@ class Matcher:
             if clause.type is T.THROUGH:
                 return []
             agree = self.world.compatible(phrase.head, leg.node.floor, target)
-            side = self.portal_fits(phrase, leg.portal, leg.side, leg)
+            side = self.portal_fits(phrase, leg.portal, leg)
             score = 0.45 + 0.55 * agree if agree >= 0 else 0.45 + 1.2 * agree
             return [Option(leg.length_m, weight * score * side if score > 0 else weight * score, ENTERS)]
         if phrase.kind is NounKind.GENERIC and clause.type is not T.THROUGH:
@@ -270,13 +285,13 @@ class Matcher:
             return [
                 Option(
                     leg.length_m,
-                    weight * (0.6 - 0.3 * max(hall, 0.0)) * self.portal_fits(phrase, leg.portal, leg.side, leg),
+                    weight * (0.6 - 0.3 * max(hall, 0.0)) * self.portal_fits(phrase, leg.portal, leg),
                     ENTERS,
                 )
             ]
         return []
 
-    def portal_fits(self, phrase: NounPhrase, portal: Portal, side: int, leg: Leg) -> float:
+    def portal_fits(self, phrase: NounPhrase, portal: Portal, leg: Leg) -> float:
         """Agreement of a portal with a phrase's kind, attributes, side and ordinal: 1 down to 0.1."""
         score = 1.0
         if phrase.kind is NounKind.OPENING:

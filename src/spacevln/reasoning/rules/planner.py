@@ -1,8 +1,9 @@
 """The rule-based planner: pi_P without a model (DESIGN 5.4).
 
 It reads what a model would read: the look-around's lifted detections, memory's frontiers, floors and chain, feedback, the metric
-map. The instruction becomes clauses and a space-landmark anchor chain; trails through the perceived world are scored against the
-clauses (:mod:`.search`), and the best hypothesis gives the next verifiable stage. Object goals are searched (:mod:`.object_goal`).
+map. The instruction becomes clauses and a space-landmark anchor chain; trails through the perceived world are scored against
+the clauses (:mod:`.search`), and the best hypothesis gives the next verifiable stage. Object goals are searched
+(:mod:`.object_goal`).
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ from spacevln.reasoning.rules.world import World
 ARRIVED_M = 0.8
 WALK_COST_PER_M = 0.02
 FAILURE_COST = 0.8
+OTHER_FLOOR_M = 6.0
 LEAST_AGREEMENT = 0.3  # of the clauses' weights, that a stop place must have while steps are left to look on
 LAST_STEPS = 45
 
@@ -145,10 +147,8 @@ class RulePlanner:
         return Goal(found.xy, found.floor, anchor, (final,), False, found.reason, ("explore",))
 
     def _worth(self, context: PlannerContext, hypothesis: Hypothesis) -> float:
-        if hypothesis.floor != self._state.floor_of(context):
-            way = 6.0
-        else:
-            way = way_length_m(context, hypothesis.goal)
+        here = hypothesis.floor == self._state.floor_of(context)
+        way = way_length_m(context, hypothesis.goal) if here else OTHER_FLOOR_M
         return hypothesis.value - WALK_COST_PER_M * way - FAILURE_COST * self._state.failed(hypothesis.floor, hypothesis.goal)
 
     def _goal_of(self, best: Hypothesis, clauses: tuple[Clause, ...], world: World) -> Goal:
@@ -216,8 +216,6 @@ class RulePlanner:
                 verified = (*verified, goal.anchor)
             chain, index, following = verified, len(verified) - 1, None
         else:
-            if goal.final and len(verified) > 1 and verified[-1] == goal.anchor:
-                following = goal.anchor
             following = goal.anchor
             chain, index = (*verified, goal.anchor, *goal.rest), len(verified) - 1
         target, known = reachable_goal(context, world.grids[world.floor], goal.xy)
@@ -241,8 +239,9 @@ class RulePlanner:
             target_m=None if following is None else (target[0], target[1], context.pose.z_m),
         )
         thought = PlannerThought(
-            observation=observation_text(context, world),
-            memory=f"{len(state.visited)} places visited, {len(world.sightings.portals)} ways and {len(world.sightings.things)} things known; here: {here}.",
+            observation=observation_text(context),
+            memory=f"{len(state.visited)} places visited, {len(world.sightings.portals)} ways and {len(world.sightings.things)} "
+            f"things known; here: {here}.",
             progress=progress_text(chain, index, reached),
             decision=f"{goal.reason[:1].upper()}{goal.reason[1:]}, {way_length_m(context, goal.xy):.1f} m from here.",
             plan="The goal is reached: stop."
@@ -257,7 +256,7 @@ class RulePlanner:
         headed = context.last_subtask is not None and context.last_subtask.targets_final_anchor
         near = context.pose.distance_m(*goal.xy) <= ARRIVED_M
         if goal.anchor.cue:
-            return headed and (reached and context.pose.distance_m(*goal.xy) <= 2 * ARRIVED_M or near)
+            return headed and (near or (reached and context.pose.distance_m(*goal.xy) <= 2 * ARRIVED_M))
         return near and (headed or context.stage > 0)
 
     @staticmethod

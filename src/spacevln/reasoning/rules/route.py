@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from spacevln.core import Anchor, CueKind, ModelError, SpaceKind
-from spacevln.language import Clause, ClauseType, NounKind, NounPhrase, cue_kind, parse, region_kind
+from spacevln.core import Anchor, ModelError, SpaceKind
+from spacevln.language import Clause, ClauseType, NounKind, cue_kind, known_categories, parse, region_kind
 
 T = ClauseType
 MAX_CLAUSES = 24
+KNOWN = frozenset(known_categories())
 _SOFT = (T.NOTICE, T.STRAIGHT, T.ORIENT)
 
 
@@ -19,12 +20,10 @@ def route_clauses(instruction: str) -> tuple[Clause, ...]:
         ModelError: the instruction names no place and no action that the rules understand.
     """
     clauses = list(parse(instruction))
-    if not clauses or all(
-        c.type is T.NOTICE and (c.place is None or c.place.kind is NounKind.OBJECT and not _known(c.place)) for c in clauses
-    ):
+    if all(map(_says_nothing, clauses)):
         shown = instruction.strip()[:60]
         raise ModelError(
-            f"The instruction {shown!r} names no place or action that the rule planner understands: give an English route instruction."
+            f"The instruction {shown!r} names no place or action that the rules understand: give an English route instruction."
         )
     stops = [i for i, clause in enumerate(clauses) if clause.type is T.STOP]
     if stops:
@@ -41,8 +40,12 @@ def route_clauses(instruction: str) -> tuple[Clause, ...]:
     return tuple(clauses[: MAX_CLAUSES - 1] + clauses[-1:] if len(clauses) > MAX_CLAUSES else clauses)
 
 
-def _known(phrase: NounPhrase) -> bool:
-    return phrase.phrase != "" and cue_kind(phrase.head) is not CueKind.NONE and phrase.head in phrase.phrase
+def _says_nothing(clause: Clause) -> bool:
+    """A bare mention of something that the lexicon does not know."""
+    phrase = clause.place
+    if clause.type is not T.NOTICE or phrase is None:
+        return clause.type is T.NOTICE
+    return phrase.kind is NounKind.OBJECT and phrase.head not in KNOWN
 
 
 def anchor_of(clause: Clause) -> Anchor | None:
@@ -52,7 +55,7 @@ def anchor_of(clause: Clause) -> Anchor | None:
         return None
     if clause.type is T.LEAVE and phrase.kind is not NounKind.OPENING:
         return Anchor(f"way out of the {phrase.head}", SpaceKind.CONNECTOR)
-    if clause.type is T.STAIRS or phrase.kind is NounKind.STAIRS and clause.vertical:
+    if clause.type is T.STAIRS or (phrase.kind is NounKind.STAIRS and clause.vertical):
         return Anchor(f"stairs {clause.vertical}".strip(), SpaceKind.FLOOR_TRANSITION)
     if phrase.kind is NounKind.REGION:
         space = f"end of the {phrase.head}" if phrase.part == "end" else phrase.head

@@ -1,9 +1,9 @@
 """Trails through the perceived world that agree best with an instruction.
 
-A trail starts where the episode started and is a sequence of legs. Clauses are aligned with it monotonically: the vector of a trail
-holds, for every number of clauses, the best score of having followed that many of them. A trail ends at a stop place (all clauses
-followed), or where knowledge ends: an unexplored portal, the edge of the known floor, stairs. Those keep a hope for the clauses that
-remain, so that unexplored hypotheses compete with complete ones.
+A trail starts where the episode started and is a sequence of legs. Clauses are aligned with it monotonically: the vector of a
+trail holds, for every number of clauses, the best score of having followed that many of them. A trail ends at a stop place (all
+clauses followed), or where knowledge ends: an unexplored portal, the edge of the known floor, stairs. Those keep a hope for the
+clauses that remain, so that unexplored hypotheses compete with complete ones.
 """
 
 from __future__ import annotations
@@ -289,9 +289,7 @@ class Search:
             yield self.far_end(node), weight * share * (0.7 + 0.3 * agree), None, "end"
         elif phrase.kind in (NounKind.OBJECT, NounKind.STAIRS, NounKind.PART):
             yield from self._beside_things(node, weight * share)
-        elif phrase.kind is NounKind.OPENING:
-            yield from self._at_portals(node, weight * share)
-        elif stop.relation in ("outside", "before", "in front of"):
+        elif phrase.kind is NounKind.OPENING or stop.relation in ("outside", "before", "in front of"):
             yield from self._at_portals(node, weight * share)
         else:
             agree = self.world.compatible(phrase.head, node.floor, node.room) if phrase.kind is NounKind.REGION else 0.3
@@ -330,7 +328,7 @@ class Search:
             leg = self.world.leg(node, goal, "cross", portal, side)
             if leg is None:
                 continue
-            fits = self.matcher.portal_fits(phrase, portal, side, leg)
+            fits = self.matcher.portal_fits(phrase, portal, leg)
             score = 0.75 + 0.25 * agree if not phrase.region or agree > 0 else 0.4 + agree
             yield goal, weight * score * fits * (0.9 if just_used else 1.0), None, f"portal {portal.id}"
 

@@ -23,7 +23,7 @@ def describe_here(context: PlannerContext, world: World) -> Anchor:
     return Anchor(region, region_kind(region) if region else SpaceKind.UNKNOWN, cue, cue_kind(cue))
 
 
-def observation_text(context: PlannerContext, world: World, most: int = 8) -> str:
+def observation_text(context: PlannerContext, most: int = 8) -> str:
     """What is seen, nearest first, with directions."""
     seen: dict[tuple[str, str], float] = {}
     for view in context.views:

@@ -1,7 +1,7 @@
-"""The perceived world: rooms of known floor, joined by portals, with what was seen in them. Never ground truth.
+"""The perceived world: rooms of known floor joined by portals, with what was seen in them. Never ground truth.
 
-A room's type is inferred from the things in it (``language.region_scores``) and from its shape; the simulator's room labels do not
-reach this far.
+A room's type is inferred from the things in it (``language.region_scores``) and from its shape; the simulator's room labels
+do not reach this far.
 """
 
 from __future__ import annotations
@@ -26,10 +26,21 @@ HALLWAY_BREADTH_M = 2.6
 LEAST_FRONTIER_M = 0.5
 LOOKED_AT_M = 1.1  # an edge this near to an earlier look-around hides nothing more
 RELATED = {
-    "patio": ("balcony",), "balcony": ("patio",), "lobby": ("hallway",), "hallway": ("lobby", "mudroom"), "closet": ("dressing room", "storage"),
-    "dressing room": ("closet",), "storage": ("closet", "pantry", "garage"), "library": ("office",), "office": ("library", "studio"),
-    "studio": ("office",), "media room": ("living room",), "pantry": ("kitchen", "storage"), "mudroom": ("hallway",), "attic": ("storage",),
-}  # fmt: skip
+    "patio": ("balcony",),
+    "balcony": ("patio",),
+    "lobby": ("hallway",),
+    "hallway": ("lobby", "mudroom"),
+    "closet": ("dressing room", "storage"),
+    "dressing room": ("closet",),
+    "storage": ("closet", "pantry", "garage"),
+    "library": ("office",),
+    "office": ("library", "studio"),
+    "studio": ("office",),
+    "media room": ("living room",),
+    "pantry": ("kitchen", "storage"),
+    "mudroom": ("hallway",),
+    "attic": ("storage",),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +145,7 @@ class World:
                 breadth = grid.breadth_m(room)
                 strongest = max(scores.values(), default=0.0)
                 doors = len(self.portals_of(floor, room))
-                if breadth < HALLWAY_BREADTH_M and (floor, room) in self.visited_rooms or doors >= 3:
+                if (breadth < HALLWAY_BREADTH_M and (floor, room) in self.visited_rooms) or doors >= 3:
                     narrow = 1.5 if breadth < HALLWAY_BREADTH_M else 0.5
                     scores["hallway"] = scores.get("hallway", 0.0) + max(0.0, narrow * min(doors, 4) / 2 - 0.4 * strongest)
                 self._scores[key] = scores
