@@ -2,6 +2,7 @@ import math
 from collections import Counter
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -203,3 +204,38 @@ def test_every_category_appears_in_some_house():
     for seed in range(200):
         seen |= {item.category for item in furnish(generate_layout(seed)).items}
     assert seen == set(CATALOGUE)
+
+
+def _upper_planes(category: str, look: int) -> list[tuple[int, float, np.ndarray, str]]:
+    """Axis-aligned triangles of a design that do not face down: axis with sign, offset, corners in the plane, material."""
+    found = []
+    for part in design(category, look).parts:
+        triangles = part_triangles(part)
+        corners = triangles.points[triangles.faces]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        area = np.linalg.norm(across, axis=1)
+        for k in np.flatnonzero((area > 2e-5) & (np.abs(across).max(axis=1) > 0.9999 * area)):
+            axis = int(np.abs(across[k]).argmax())
+            side = axis + 1 if across[k, axis] > 0 else -axis - 1
+            if side != -3:
+                found.append((side, float(corners[k, 0, axis]), np.delete(corners[k], axis, 1), part.material))
+    return found
+
+
+@pytest.mark.parametrize("category", sorted(CATALOGUE))
+def test_no_two_materials_share_a_plane(category):
+    # such faces fight for every pixel
+    for look in {(look.main == look.trim): k for k, look in enumerate(CATALOGUE[category].looks)}.values():
+        planes = sorted(_upper_planes(category, look), key=lambda plane: plane[:2])
+        if not planes:
+            continue
+        place = np.array([10.0 * side + offset for side, offset, _, _ in planes])
+        low, high = (np.array([getattr(corners, end)(axis=0) for _, _, corners, _ in planes]) for end in ("min", "max"))
+        stuff = np.array([plane[3] for plane in planes])
+        for k, (_, _, corners, _) in enumerate(planes):
+            gap = (np.minimum(high[k], high) - np.maximum(low[k], low)).min(axis=1)
+            near = (np.abs(place - place[k]) < 0.0005) & (gap > 0.002) & (stuff != stuff[k])
+            for other in np.flatnonzero(near[k + 1 :]) + k + 1:
+                pair = [100 * (c - low[k]).astype(np.float32) for c in (corners, planes[other][2])]
+                shared, _ = cv2.intersectConvexConvex(*pair)
+                assert shared < 0.5, (look, stuff[k], stuff[other], f"{shared:.2f} cm2")

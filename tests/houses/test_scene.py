@@ -136,3 +136,21 @@ def test_geometry_and_compilation_take_under_half_a_second():
         compile_scene(furnish(generate_layout(seed)))
         spent.append(time.process_time() - start)
     assert float(np.median(spent)) < 0.5
+
+
+def test_shadows_lie_on_the_floor_of_their_room_and_belong_to_no_thing(built):
+    for house, scene in built:
+        shadows = [piece for piece in scene.pieces if "shadow" in piece.stuff.key]
+        assert {piece.room for piece in shadows} >= {item.room for item in house.items if item.solid}
+        for piece in shadows:
+            assert piece.instance == 0
+            assert piece.room is not None
+            room = house.rooms[piece.room]
+            height = piece.triangles.points[:, 2] - house.floors[room.floor].z_m
+            assert 0.0005 < height.min() == height.max() < 0.003
+            corners = piece.triangles.points[piece.triangles.faces]
+            across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            assert (across[:, 2] > -1e-9).all()
+            half = house.wall_thickness_m / 2 + 1e-9
+            for x, y, _ in piece.triangles.points:
+                assert any(rect.contains(x, y, -half) for rect in room.rects)

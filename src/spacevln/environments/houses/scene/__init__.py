@@ -14,6 +14,7 @@ from spacevln.environments.houses.materials import Material, texture
 from spacevln.environments.houses.plan import House
 from spacevln.environments.houses.scene.openings import opening_pieces
 from spacevln.environments.houses.scene.pieces import Piece, item_pieces
+from spacevln.environments.houses.scene.shadows import shadow_pieces
 from spacevln.environments.houses.scene.structure import lawn_pieces, slab_pieces, stair_pieces, wall_pieces
 
 _AMBIENT = 0.44
@@ -41,7 +42,7 @@ class CompiledScene:
 
 def scene_pieces(house: House) -> tuple[Piece, ...]:
     """Everything that is drawn of a house, in a fixed order."""
-    pieces = [*wall_pieces(house), *slab_pieces(house), *stair_pieces(house), *lawn_pieces(house)]
+    pieces = [*wall_pieces(house), *slab_pieces(house), *shadow_pieces(house), *stair_pieces(house), *lawn_pieces(house)]
     for opening in house.openings:
         pieces += opening_pieces(house, opening)
     for item in house.items:

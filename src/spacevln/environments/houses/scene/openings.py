@@ -12,6 +12,7 @@ from spacevln.environments.houses.plan import House, Opening
 from spacevln.environments.houses.scene.pieces import Piece, baked
 
 _PROUD_M = 0.02
+_LINING_M = 0.005
 _LEAF_M = 0.04
 _PAINT = {"white": "plain-white", "brown": "wood-oak", "gray": "plain-gray", "dark": "wood-walnut"}
 
@@ -44,11 +45,12 @@ def _casing(k: Kit, house: House, opening: Opening) -> None:
     for face in (-1, 1):
         y = face * (t / 2 + _PROUD_M / 2)
         for side in (-1, 1):
-            k.box(stuff, CASING_M, _PROUD_M, h, x=side * (w + CASING_M) / 2, y=y)
-        k.box(stuff, w + 2 * CASING_M, _PROUD_M, top, y=y, z=h)
+            k.box(stuff, CASING_M + _LINING_M, _PROUD_M, h, x=side * (w + CASING_M - _LINING_M) / 2, y=y)
+        k.box(stuff, w + 2 * CASING_M, _PROUD_M, top + _LINING_M, y=y, z=h - _LINING_M)
+    # flush with the boards: a step of millimetres would be drawn as a dashed line
     for side in (-1, 1):
-        k.box(stuff, 0.006, t + 0.006, h, x=side * (w / 2 - 0.001))
-    k.box(stuff, w, t + 0.006, 0.006, z=h - 0.005)
+        k.box(stuff, _LINING_M + 0.002, t + 0.006, h, x=side * (w / 2 - _LINING_M / 2 + 0.001))
+    k.box(stuff, w, t + 0.006, _LINING_M + 0.001, z=h - _LINING_M)
     if "arched" in opening.attributes:
         for side in (-1, 1):
             turn = (0.0, 0.0, 0.0 if side > 0 else math.pi)

@@ -1,0 +1,143 @@
+"""Contact shadows: darker floor around what stands on it, so that things do not seem to hover."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from spacevln.environments.houses.furniture.mesh import Array, Triangles, part_triangles
+from spacevln.environments.houses.layout.structure import slabs
+from spacevln.environments.houses.materials import material
+from spacevln.environments.houses.plan import House, Item, Part, Rect
+from spacevln.environments.houses.scene.pieces import Piece, flat_uv
+
+_SHARES = (0.9, 0.79, 0.69, 0.6)
+"""How much of the floor's colour is left, from the outer to the inner ring."""
+_RISE_M = 0.0006
+"""Every ring lies this much over the one around it; the innermost is 2.4 mm over the floor."""
+_TOUCHING: tuple[float, ...] = (0.14, 0.085, 0.045, 0.015)
+_LOW: tuple[float, ...] = (0.09, 0.03, -0.02)
+_HIGH: tuple[float, ...] = (0.02, -0.06)
+"""How far the rings reach over the outline of what touches the floor, hangs low over it, or high [m]."""
+_TOUCHING_M, _LOW_M, _HIGH_M = 0.03, 0.25, 1.0
+_ROUND = ("disc", "turned", "column", "pot", "bucket", "vase")
+_CORNER = tuple((math.cos(k * math.pi / 6), math.sin(k * math.pi / 6)) for k in range(4))
+
+Outline = tuple[float, float, float, float, float]
+"""Centre x and y, half width and depth, and radius of the corners, in the item's frame [m]."""
+
+
+def shadow_pieces(house: House) -> list[Piece]:
+    """One piece per room and ring, of the floor's material in a darker tint."""
+    ground: dict[int, list[Rect]] = defaultdict(list)
+    for slab in slabs(house):
+        if slab.part == "floor":
+            ground[slab.room].append(slab.rect)
+    rings: dict[tuple[int, int], list[Array]] = defaultdict(list)
+    for item in house.items:
+        if item.solid and abs(item.z - house.floors[house.rooms[item.room].floor].z_m) < _TOUCHING_M:
+            for level, outline in _outlines(item.parts):
+                rings[item.room, level] += _on_ground(_polygon(item, outline), ground[item.room])
+    return [
+        _ring(polygons, house.floors[house.rooms[room].floor].z_m, house.styles[room][0], level, room)
+        for (room, level), polygons in sorted(rings.items())
+        if polygons
+    ]
+
+
+@lru_cache(maxsize=2048)
+def _outlines(parts: tuple[Part, ...]) -> tuple[tuple[int, Outline], ...]:
+    """The rings of an item's parts by level, without those that lie within another of their level."""
+    found: dict[int, list[Outline]] = defaultdict(list)
+    for part in parts:
+        points = part_triangles(part).points
+        low, high = points.min(axis=0), points.max(axis=0)
+        (x, y), (hx, hy) = (low[:2] + high[:2]) / 2, (high[:2] - low[:2]) / 2
+        if low[2] < _TOUCHING_M:
+            reaches, most = _TOUCHING, min(1.0, max(0.3, min(hx, hy) / 0.12))
+        elif low[2] < _LOW_M:
+            reaches, most = _LOW, min(1.0, min(hx, hy) / 0.12)
+        elif low[2] < _HIGH_M and min(hx, hy) > 0.15:
+            reaches, most = _HIGH, 1.0
+        else:
+            continue
+        for level, reach in enumerate(reaches):
+            grown = reach * most
+            a, b = float(hx) + grown, float(hy) + grown
+            if min(a, b) > 0:
+                upright = part.euler_rad == (0.0, 0.0, 0.0) and abs(hx - hy) < 0.03 * hx
+                rounded = min(a, b) if upright and (part.shape == "cylinder" or part.mesh in _ROUND) else max(grown, 0.0)
+                found[level].append((float(x), float(y), a, b, rounded))
+    return tuple((level, one) for level in sorted(found) for one in _largest(found[level]))
+
+
+def _largest(outlines: list[Outline]) -> list[Outline]:
+    """Those that no other one covers (round corners aside)."""
+    kept: list[Outline] = []
+    for one in sorted(set(outlines), key=lambda o: (-o[2] * o[3], o)):
+        if not any(abs(one[0] - k[0]) + one[2] <= k[2] + 1e-6 and abs(one[1] - k[1]) + one[3] <= k[3] + 1e-6 for k in kept):
+            kept.append(one)
+    return kept
+
+
+def _polygon(item: Item, outline: Outline) -> Array:
+    """Corners (N, 2) of an outline in the scene, counter-clockwise."""
+    x, y, a, b, radius = outline
+    corners = []
+    for quarter, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
+        turned = [_CORNER[0]] if radius == 0.0 else _CORNER
+        for c, s in turned:
+            for _ in range(quarter):
+                c, s = -s, c
+            corners.append((x + sx * (a - radius) + c * radius, y + sy * (b - radius) + s * radius))
+    local = np.array(corners)
+    c, s = math.cos(item.yaw_rad), math.sin(item.yaw_rad)
+    return np.asarray(local @ np.array([[c, s], [-s, c]]) + (item.x, item.y))
+
+
+def _on_ground(polygon: Array, ground: list[Rect]) -> list[Array]:
+    """The parts of a convex polygon on a room's floor: not in the next room, not over a stairwell."""
+    (x0, y0), (x1, y1) = polygon.min(axis=0), polygon.max(axis=0)
+    found = []
+    for rect in ground:
+        if rect.x0 <= x0 and x1 <= rect.x1 and rect.y0 <= y0 and y1 <= rect.y1:
+            return [polygon]
+        if x0 < rect.x1 and rect.x0 < x1 and y0 < rect.y1 and rect.y0 < y1:
+            cut = polygon
+            for axis, sign, limit in ((0, -1, -rect.x0), (0, 1, rect.x1), (1, -1, -rect.y0), (1, 1, rect.y1)):
+                cut = _cut(cut, axis, sign, limit)
+            if len(cut) >= 3:
+                found.append(cut)
+    return found
+
+
+def _cut(polygon: Array, axis: int, sign: int, limit: float) -> Array:
+    """The part of a convex polygon where ``sign * coordinate <= limit``."""
+    kept = []
+    for p, q in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        over_p, over_q = sign * p[axis] - limit, sign * q[axis] - limit
+        if over_p <= 0:
+            kept.append(p)
+        if (over_p < 0 < over_q) or (over_q < 0 < over_p):
+            kept.append(p + (q - p) * (over_p / (over_p - over_q)))
+    return np.array(kept).reshape(-1, 2)
+
+
+def _ring(polygons: list[Array], z_m: float, key: str, level: int, room: int) -> Piece:
+    floor = material(key)
+    red, green, blue = floor.rgb
+    share = _SHARES[level]
+    name = f"{key} shadow {level}"
+    stuff = replace(floor, key=name, draw=name, rgb=(red * share, green * share, blue * share), specular=0.0)
+    flat = np.concatenate(polygons)
+    points = np.column_stack([flat, np.full(len(flat), z_m + (level + 1) * _RISE_M)])
+    normals = np.tile((0.0, 0.0, 1.0), (len(points), 1))
+    faces, first = [], 0
+    for polygon in polygons:
+        faces += [(first, first + k, first + k + 1) for k in range(1, len(polygon) - 1)]
+        first += len(polygon)
+    return Piece(Triangles(points, normals, flat_uv(points, normals, floor), np.array(faces, np.int32)), stuff, 0, room)
