@@ -44,7 +44,7 @@ class Clause:
 
 
 MAX_WORDS = 4000
-AFTER_RIGHT = ("before", "past", "there", "outside", "inside", "next", "where")
+AFTER_RIGHT = ("around", "before", "past", "there", "outside", "inside", "next", "where")
 BEFORE_A_SIDE = ("turn", "a", "the", "your", "go", "take", "bear", "veer", "immediate", "hang", "first", "second")
 
 

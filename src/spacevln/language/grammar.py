@@ -34,6 +34,7 @@ class ClauseType(StrEnum):
 T = ClauseType
 SPELLING = {
     "thru": "through",
+    "trough": "through",
     "though": "through",
     "dinning": "dining",
     "bannister": "banister",
@@ -152,6 +153,12 @@ def _rule(kind: ClauseType | None, pattern: str) -> tuple[ClauseType | None, re.
 # first match wins at a position; None marks connectives that carry no clause
 RULES = (
     _rule(
+        T.ORIENT,
+        r"(?:stand|standing|start|begin|starting)(?: (?:by|so|that|you|are))* (?:with|facing) "
+        rf"{_N}(?: (?:to|at|behind) (?:your back|you))?",
+    ),
+    _rule(T.AROUND, rf"(?:turn|round|go around|walk around) {_N}"),
+    _rule(
         T.PAST,
         rf"{_LEAD}(?:to|on|along|down|past|keep to|stay to|pass to) (?:the |your )?(?:left|right)(?: hand)?(?: "
         rf"side)? of {_N}",
@@ -236,7 +243,7 @@ RULES = (
     ),
     _rule(
         T.STRAIGHT,
-        rf"(?:(?:{_GO}|and) )*(?:straight|forward|ahead|onward|on your path|on)(?: (?:straight|forward|ahead|a bit|"
+        rf"(?:(?:{_GO}|and) )*(?:straight|forward|ahead|onward|on your path|keep on|continue on|go on|walk on|move on)(?: (?:straight|forward|ahead|a bit|"
         rf"bit|a little|little|slightly|across|through|over|on|D\d+))*",
     ),
     _rule(

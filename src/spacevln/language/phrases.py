@@ -256,6 +256,9 @@ _SIDE_LEADS = (
     ("that", "is", "to", "the"),
     ("that", "is", "to", "your"),
     ("located", "on", "the"),
+    ("located", "on", "your"),
+    ("that", "are", "on", "the"),
+    ("that", "are", "on", "your"),
     ("immediately", "to", "the"),
     ("immediately", "to", "your"),
 )
