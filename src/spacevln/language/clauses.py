@@ -56,6 +56,8 @@ def _words(text: str) -> list[str]:
             continue
         if word == "right" and words and words[-1] in ("is", "stop", "wait"):
             continue
+        if word == "of" and words and words[-1] in ("past", "pass", "through", "by", "along"):
+            continue  # "past all of the chairs"
         adverb = len(words) < 2 or words[-2] not in BEFORE_A_SIDE
         if word in AFTER_RIGHT and words and words[-1] == "right" and adverb:
             words.pop()  # "right past the sofa": no side

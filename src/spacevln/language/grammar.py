@@ -243,7 +243,8 @@ RULES = (
     ),
     _rule(
         T.STRAIGHT,
-        rf"(?:(?:{_GO}|and) )*(?:straight|forward|ahead|onward|on your path|keep on|continue on|go on|walk on|move on)(?: (?:straight|forward|ahead|a bit|"
+        rf"(?:(?:{_GO}|and) )*(?:straight|forward|ahead|onward|on your path|keep on|continue on|go on|"
+        rf"walk on|move on)(?: (?:straight|forward|ahead|a bit|"
         rf"bit|a little|little|slightly|across|through|over|on|D\d+))*",
     ),
     _rule(
