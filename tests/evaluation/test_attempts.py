@@ -1,0 +1,166 @@
+"""Attempts: the agent cannot use the truth, results repeat, workers may die, and nothing is counted twice."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spacevln.assembly import Configuration
+from spacevln.core import EpisodeSpec, InstructionTask, Pose, UsageError
+from spacevln.evaluation import datasets
+from spacevln.evaluation.attempt import Session
+from spacevln.evaluation.baselines import BLIND_FORWARDS
+from spacevln.evaluation.episode import Episode
+from spacevln.evaluation.houses import RouteTruth, densify, house_episode, pick_episode
+from spacevln.evaluation.probes import probe
+from spacevln.recording import RecordLevel, ResultFile, SummaryFile, read_events, read_file
+from spacevln.recording.schema import StepTakenLine
+
+SHORT = Configuration(step_budget=34)
+
+
+def actions(directory: Path) -> list[tuple[str, str, Pose]]:
+    return [(line.phase, line.action, line.pose) for line in read_events(directory) if isinstance(line, StepTakenLine)]
+
+
+def test_another_goal_behind_the_same_instruction_changes_no_action(tmp_path: Path) -> None:
+    episode = house_episode("houses-vln-000003")
+    other = house_episode("houses-vln-000004")
+    assert isinstance(other.truth, RouteTruth)
+    swapped = replace(episode, truth=other.truth)
+    with Session(SHORT) as session:
+        first = session.attempt(episode, tmp_path / "a", level=RecordLevel.LIGHT)
+        second = session.attempt(swapped, tmp_path / "b", level=RecordLevel.LIGHT)
+    assert actions(tmp_path / "a") == actions(tmp_path / "b")
+    assert first.metrics.NE != second.metrics.NE
+
+
+def test_a_repeated_attempt_differs_in_its_time_only(tmp_path: Path) -> None:
+    episode = house_episode("houses-objectnav-000003")
+    results = []
+    for name in ("a", "b"):
+        with Session(SHORT) as session:
+            results.append(
+                session.attempt(episode, tmp_path / name, level=RecordLevel.LIGHT).model_copy(update={"timing_s": 0.0})
+            )
+    assert results[0] == results[1]
+
+
+@pytest.mark.parametrize("suite", ["houses-vln", "houses-objectnav"])
+def test_the_oracle_succeeds_and_the_blind_do_not_look(suite: str, tmp_path: Path) -> None:
+    episode = datasets.load(suite, seeds=(5, 6))[0]
+    for driver in ("oracle", "random", "forward"):
+        with Session(Configuration(driver=driver)) as session:
+            result = session.attempt(episode, tmp_path / driver, level=RecordLevel.LIGHT)
+        if driver == "oracle":
+            assert result.metrics.SR == 1.0
+            assert result.metrics.SPL is not None
+            assert result.metrics.SPL > 0.9
+        else:
+            forwards = [action for _, action, _ in actions(tmp_path / driver) if action.startswith("forward")]
+            assert len(forwards) == BLIND_FORWARDS
+
+
+def test_a_free_instruction_claims_nothing(tmp_path: Path) -> None:
+    episode = pick_episode("vln", 3, instruction="Leave the room.")
+    assert episode.truth is None
+    with Session(SHORT) as session:
+        result = session.attempt(episode, tmp_path, level=RecordLevel.LIGHT)
+    assert result.metrics.SR is None
+    assert result.truth is None
+    assert result.metrics.steps > 0
+
+
+def test_a_bug_is_recorded_and_counted_not_raised(tmp_path: Path) -> None:
+    episode = house_episode("houses-vln-000003")
+    broken = Episode(EpisodeSpec("broken", "house-x", episode.start, InstructionTask("Go.")), episode.truth)
+    with Session(SHORT) as session:
+        result = session.attempt(broken, tmp_path, level=RecordLevel.LIGHT)
+    assert result.status == "environment_failure"
+    assert result.metrics.SR == 0.0
+    assert "house-x" in (tmp_path / "crash.txt").read_text()
+
+
+def test_probes_change_the_words_and_not_the_goal() -> None:
+    episode = house_episode("houses-vln-000003")
+    swapped, last = probe(episode, "swapped"), probe(episode, "last-noun")
+    assert swapped.truth is episode.truth
+    assert swapped.instruction != episode.instruction
+    assert last.instruction is not None
+    assert last.instruction.startswith("Walk to the ")
+    with pytest.raises(UsageError, match="houses-vln"):
+        probe(house_episode("houses-objectnav-000003"), "swapped")
+
+
+def test_the_reference_is_dense_and_keeps_its_ends() -> None:
+    path = np.array([[0.0, 0, 0], [1.1, 0, 0], [1.1, 2, 0]])
+    dense = densify(path, 0.25)
+    assert np.linalg.norm(np.diff(dense, axis=0), axis=1).max() <= 0.25 + 1e-9
+    assert np.array_equal(dense[[0, -1]], path[[0, -1]])
+
+
+def test_loading_refuses_what_it_does_not_know() -> None:
+    for call in (
+        lambda: datasets.load("houses-nln"),
+        lambda: datasets.load("houses-vln", colour="red"),
+        lambda: datasets.load("houses-vln", Path("data")),
+        lambda: datasets.load("houses-vln", seeds=(4, 4)),
+    ):
+        with pytest.raises(UsageError):
+            call()
+
+
+def bench(out: Path, *words: str) -> subprocess.Popen[bytes]:
+    command = [
+        sys.executable,
+        "-m",
+        "spacevln",
+        "bench",
+        "houses-vln",
+        "--seeds",
+        "3:6",
+        "--steps",
+        "60",
+        "--out",
+        str(out),
+        *words,
+    ]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+
+
+def results(out: Path) -> dict[str, ResultFile]:
+    found = [read_file(path, ResultFile) for path in out.glob("episodes/*/result.json")]
+    return {result.episode_id: result.model_copy(update={"timing_s": 0.0, "restarts": 0}) for result in found}
+
+
+def children(pid: int) -> list[int]:
+    out = subprocess.run(["ps", "-o", "pid=,args=", "--ppid", str(pid)], capture_output=True, text=True, check=False).stdout
+    return [int(line.split()[0]) for line in out.splitlines() if "spawn_main" in line]
+
+
+@pytest.mark.slow
+def test_workers_their_deaths_and_a_killed_runner_do_not_change_results(tmp_path: Path) -> None:
+    calm = bench(tmp_path / "calm", "--workers", "1")
+    assert calm.wait(timeout=280) == 0
+    rough = bench(tmp_path / "rough", "--workers", "2")
+    deadline = time.monotonic() + 120
+    while not list((tmp_path / "rough").glob("episodes/*/images/*")):
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+    os.kill(children(rough.pid)[0], signal.SIGKILL)
+    time.sleep(6)
+    rough.kill()
+    rough.wait(timeout=30)
+    assert bench(tmp_path / "rough", "--workers", "2").wait(timeout=280) == 0
+    assert results(tmp_path / "rough") == results(tmp_path / "calm")
+    assert len(results(tmp_path / "rough")) == 3
+    summaries = [read_file(tmp_path / name / "summary.json", SummaryFile) for name in ("rough", "calm")]
+    assert summaries[0] == summaries[1]
