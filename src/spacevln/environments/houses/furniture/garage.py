@@ -56,20 +56,24 @@ def _bicycle(k: Kit, look: Look) -> None:
 )
 def _car(k: Kit, look: Look) -> None:
     w, d = 1.62, 3.3
-    k.mesh("cushion", look.main, w, d, 0.62, z=0.24)
-    k.box(look.main, w - 0.06, d - 0.3, 0.3, z=0.28)
-    k.mesh("cabin", "gloss-navy", 1.9, w - 0.16, 0.56, y=-0.15, z=0.8, turn=(0, 0, HALF_PI))
-    k.box(look.main, w - 0.24, 0.9, 0.05, y=-0.2, z=1.34)
+    glass = "gloss-navy" if look.main != "gloss-black" else "gloss-gray"
+    k.mesh("car", look.main, w, d, 0.66, z=0.2)
+    k.box("plain-black", w - 0.42, d - 0.5, 0.44, z=0.22)
+    k.mesh("cabin", look.main, 1.9, w - 0.16, 0.56, y=-0.15, z=0.8, turn=(0, 0, HALF_PI))
+    k.mesh("cabin", glass, 1.94, w - 0.28, 0.545, y=-0.15, z=0.8, turn=(0, 0, HALF_PI))
+    k.mesh("cabin", glass, 1.56, w - 0.15, 0.42, y=-0.16, z=0.86, turn=(0, 0, HALF_PI))
+    k.box(look.main, w - 0.16, 1.01, 0.05, y=-0.23, z=1.34)
     for s in (-1, 1):
-        k.box(look.main, 0.03, 0.07, 0.5, x=s * (w / 2 - 0.09), y=-0.2, z=0.84)
+        k.box(look.main, 0.04, 0.07, 0.5, x=s * (w / 2 - 0.09), y=-0.2, z=0.84)
         for t in (-1, 1):
             k.bar("plain-black", 0.3, 0.2, x=s * (w / 2 - 0.1), y=t * 1.0, z=0.3)
             k.bar("gloss-silver", 0.18, 0.21, x=s * (w / 2 - 0.1), y=t * 1.0, z=0.3)
-        k.ball("glow-lamp", 0.3, 0.12, 0.16, x=s * 0.54, y=d / 2 - 0.07, z=0.5)
-        k.box("plain-red", 0.28, 0.06, 0.14, x=s * 0.52, y=-d / 2 + 0.04, z=0.54)
+        k.ball("glow-lamp", 0.3, 0.12, 0.16, x=s * 0.56, y=d / 2 - 0.046, z=0.48)
+        k.box("glow-red", 0.2, 0.06, 0.16, x=s * 0.64, y=-d / 2 + 0.04, z=0.5)
         k.box(look.main, 0.14, 0.1, 0.1, x=s * (w / 2 + 0.02), y=0.5, z=0.86)
-    k.box("plain-black", 0.8, 0.05, 0.16, y=d / 2 - 0.03, z=0.42)
+    k.box("plain-black", 0.7, 0.05, 0.16, y=d / 2 - 0.016, z=0.44)
     k.box("plain-white", 0.4, 0.04, 0.1, y=d / 2 - 0.005, z=0.34)
+    k.box("plain-white", 0.4, 0.06, 0.1, y=-d / 2 + 0.04, z=0.52)
     k.box(look.trim, w - 0.1, 0.1, 0.08, y=d / 2 - 0.06, z=0.27)
     k.box(look.trim, w - 0.1, 0.1, 0.08, y=-d / 2 + 0.06, z=0.27)
 

@@ -96,8 +96,9 @@ def _basin(power: float, wall: float = 0.16) -> UnitMesh:
 
 
 CAR = [
-    (-1.0, -0.55), (-0.82, -0.7), (0.86, -0.7), (1.0, -0.5), (0.98, -0.1), (0.62, 0.08), (0.3, 0.95),
-    (-0.5, 1.0), (-0.86, 0.2), (-1.0, 0.1)
+    (-0.96, -0.75), (-0.83, -0.75), (-0.79, -0.1), (-0.7, 0.32), (-0.606, 0.42), (-0.51, 0.32), (-0.42, -0.1), (-0.38, -0.8),
+    (0.38, -0.8), (0.42, -0.1), (0.51, 0.32), (0.606, 0.42), (0.7, 0.32), (0.79, -0.1), (0.83, -0.75), (0.96, -0.75),
+    (1.0, -0.15), (0.98, 0.3), (0.9, 0.55), (0.5, 0.86), (-0.68, 0.86), (-0.93, 0.76), (-0.978, 0.5), (-0.982, -0.2)
 ]  # fmt: skip
 _CIRCLE = [(math.cos(k * math.tau / 28), math.sin(k * math.tau / 28)) for k in range(28)]
 GARMENT = [
@@ -174,7 +175,7 @@ CUSTOM.update(
         "tub": lambda: _basin(0.45),
         "basin": lambda: _basin(0.8),
         "bowlseat": lambda: _basin(1.0, 0.28),
-        "car": lambda: extrude(CAR),
+        "car": lambda: extrude(CAR, axis=0),
         "cabin": lambda: extrude(CABIN),
         "grand": lambda: extrude(GRAND, axis=2),
         "guitar": lambda: extrude(GUITAR),
