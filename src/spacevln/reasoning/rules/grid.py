@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from spacevln.core import Pose, SpatialMap
-from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal
+from spacevln.reasoning.rules.sightings import XY, Portal
 
 Float = NDArray[np.float64]
 CELL_M = 0.15
@@ -55,8 +55,7 @@ class FloorGrid:
             ]
         cut = self.free.copy()
         for portal in portals:
-            if portal.quality >= PRECISE_QUALITY:
-                cut &= ~self._threshold(centres, portal).reshape(self.shape)
+            cut &= ~self._threshold(centres, portal).reshape(self.shape)
         self.rooms, self.count = label(cut)
         self.clearance_m = np.asarray(distance_transform_edt(cut)) * CELL_M
         self._graphs: dict[int, tuple[NDArray[np.int64], NDArray[np.int64], csr_matrix]] = {}

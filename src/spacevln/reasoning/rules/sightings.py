@@ -23,7 +23,7 @@ SAME_PORTAL_M = 0.75
 SAME_UNSURE_PORTAL_M = 1.0
 PRECISE_WIDTH_M = (0.75, 1.3)  # of a doorway whose two jambs were seen
 GUESSED_WIDTH_M = 0.9
-PRECISE_QUALITY = 0.2  # portals under it are guesses and part no rooms
+PRECISE_QUALITY = 0.2  # portals under it are guesses
 MAX_SURFACE = 32
 
 
