@@ -11,6 +11,7 @@ from spacevln.core import (
     Detector,
     EgocentricMemory,
     FloorMap,
+    LandmarkCandidate,
     LandmarkPool,
     Observation,
     ObstacleDistances,
@@ -107,9 +108,11 @@ class World:
             return ()
         pose = observations[0].pose
         landmarks = LocalLandmarkMemory(anchor.cue, pose, kind=anchor.cue_kind)
+        in_view: list[LandmarkCandidate] = []
         for sightings in self.perceive(observations, norm(anchor.cue)):
             landmarks.update(sightings, pose, self.map)
-        return landmarks.pool()
+            in_view += [candidate for candidate in landmarks.candidates if candidate.visible and candidate.arrived]
+        return (*in_view, *landmarks.pool())  # what one image shows in reach is no farther when the next looks away
 
     def floor_maps(self) -> tuple[FloorMap, ...]:
         """The map as it stands, one picture per floor."""

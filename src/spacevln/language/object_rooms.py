@@ -32,19 +32,23 @@ SINGLE_ROOMS = frozenset(
     ("kitchen", "living room", "dining room", "laundry room", "office", "library", "garage", "gym", "playroom", "balcony")
 )
 
-# how much a room of a type leads on to further rooms, 0 to 1
-LEADS_ON = MappingProxyType(
-    {
-        "hallway": 1.0,
-        "living room": 0.6,
-        "dining room": 0.6,
-        "kitchen": 0.4,
-        "bedroom": 0.2,
-        "office": 0.15,
-        "library": 0.2,
-        "laundry room": 0.1,
-    }
-)
+# type: room number, ... ; how many rooms of a type a room of another type opens on, in tenths
+_OPENS_ON = """
+hallway: bedroom 15, bathroom 10, living 5, dining 5, kitchen 3, laundry 3, closet 3, office 4, library 2, gym 2, playroom 2
+living: dining 5, hallway 7, kitchen 3, balcony 2, library 2, office 2, playroom 2
+dining: kitchen 7, living 6, hallway 6
+kitchen: dining 7, living 3, laundry 2, garage 2, hallway 4
+bedroom: hallway 8, bathroom 4, closet 4, balcony 1
+bathroom: hallway 7, bedroom 4
+closet: bedroom 5, hallway 5
+office: hallway 8, living 3, library 1
+library: hallway 7, living 3
+laundry: hallway 7, kitchen 3, garage 2
+garage: hallway 5, kitchen 3, laundry 3
+gym: hallway 9
+playroom: hallway 8, living 2
+balcony: living 5, bedroom 5
+"""
 
 # object: room share, ... ; the share of such rooms that hold one, in percent
 _WHERE = """
@@ -169,16 +173,17 @@ yoga mat: gym 95
 _SHORT = {"living": "living room", "dining": "dining room", "laundry": "laundry room"}
 
 
-def _parsed() -> dict[str, dict[str, float]]:
+def _parsed(table: str, unit: float) -> dict[str, dict[str, float]]:
     out = {}
-    for line in _WHERE.strip().splitlines():
+    for line in table.strip().splitlines():
         name, _, places = line.partition(": ")
         pairs = (place.rsplit(" ", 1) for place in places.split(", "))
-        out[name] = {_SHORT.get(room, room): int(share) / 100 for room, share in pairs}
+        out[_SHORT.get(name, name)] = {_SHORT.get(room, room): int(share) / unit for room, share in pairs}
     return out
 
 
-OBJECT_ROOMS = MappingProxyType(_parsed())
+OPENS_ON = MappingProxyType(_parsed(_OPENS_ON, 10))
+OBJECT_ROOMS = MappingProxyType(_parsed(_WHERE, 100))
 ELSEWHERE = 0.02
 """Chance that a room holds an object that is not usual there."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from spacevln.language import LEADS_ON, ROOM_SHARES, SINGLE_ROOMS, chance_in_room
+from spacevln.language import OPENS_ON, ROOM_SHARES, SINGLE_ROOMS, chance_in_room
 from spacevln.reasoning.rules.grid import NOWHERE
 from spacevln.reasoning.rules.world import World
 
@@ -14,7 +14,8 @@ SECOND_OF_A_KIND = 0.2  # share of homes with two kitchens, etc.
 SURE = 2.5  # score from which a room's type counts as known
 SEEN_WHOLE_M2 = 14.0
 LEAST_UNSEEN = 0.2
-LEADS_WEIGHT = 0.45
+BEHIND = 0.4  # worth of a chance that lies one room further
+LEAST_SHARE = 0.1  # of the usual share, of a type that a room does not usually open on
 ROOMS_ON_A_STOREY = 5
 
 
@@ -31,23 +32,40 @@ class Beliefs:
         self._chance = {region: chance_in_room(goal, region) if goal else 0.5 for region in ROOM_SHARES}
         self._taken: dict[str, set[int]] = {region: set() for region in SINGLE_ROOMS}
         for floor, room in sorted(world.visited_rooms):
-            region = world.region(floor, room) if room else ""
+            region = world.region(floor, room) if room and floor == world.floor else ""
             if region in self._taken and world.scores(floor, room)[region] >= SURE:
                 self._taken[region].add(room)
 
-    def types(self, room: int) -> dict[str, float]:
-        """Probability of each type of a room of the current storey; of an unseen one for 0."""
-        scores = self._world.scores(self._world.floor, room) if room else {}
+    def types(self, room: int, before: int = NOWHERE) -> dict[str, float]:
+        """Probability of each type of a room of the current storey.
+
+        Args:
+            room: its number; 0 for one of which nothing is seen.
+            before: the room from which it is entered; 0 when unknown.
+        """
         weights = {}
-        for region, share in ROOM_SHARES.items():
+        scores = self._scores(room)
+        for region, share in self._shares(before).items():
             taken = SECOND_OF_A_KIND if self._taken.get(region, set()) - {room} else 1.0
             weights[region] = share * taken * math.exp(EVIDENCE * min(scores.get(region, 0.0), MOST_EVIDENCE))
         total = sum(weights.values())
         return {region: weight / total for region, weight in weights.items()}
 
-    def holds(self, room: int) -> float:
+    def _scores(self, room: int) -> dict[str, float]:
+        return self._world.scores(self._world.floor, room) if room else {}
+
+    def _shares(self, before: int) -> dict[str, float]:
+        """How likely a room behind another one is of each type, before it is seen."""
+        region = self._world.region(self._world.floor, before) if before else ""
+        opens = OPENS_ON.get(region)
+        if opens is None:
+            return dict(ROOM_SHARES)
+        total = sum(opens.values())
+        return {name: opens.get(name, 0.0) / total + LEAST_SHARE * share for name, share in ROOM_SHARES.items()}
+
+    def holds(self, room: int, before: int = NOWHERE) -> float:
         """Chance that a room holds the object, whatever was seen of it."""
-        return sum(p * self._chance[region] for region, p in self.types(room).items())
+        return sum(p * self._chance[region] for region, p in self.types(room, before).items())
 
     def unseen(self, room: int) -> float:
         """Share of a room that no look-around has shown, by its known floor."""
@@ -55,10 +73,15 @@ class Beliefs:
             return 1.0
         return max(LEAST_UNSEEN, 1.0 - self._world.grids[self._world.floor].area_m2(room) / SEEN_WHOLE_M2)
 
-    def leads_on(self, room: int) -> float:
-        """What the rooms behind a room that was not entered are worth."""
-        share = sum(p * LEADS_ON.get(region, 0.0) for region, p in self.types(room).items())
-        return LEADS_WEIGHT * share * math.sqrt(self.holds(NOWHERE))
+    def leads_on(self, room: int, before: int = NOWHERE) -> float:
+        """Chance that a room which a room opens on holds the object, discounted since it is one room further."""
+        here = self.types(room, before)
+        missed = 1.0
+        for region in ROOM_SHARES:
+            taken = SECOND_OF_A_KIND if self._taken.get(region) else 1.0
+            rooms = sum(p * OPENS_ON[name].get(region, 0.0) for name, p in here.items())
+            missed *= (1.0 - min(self._chance[region], 0.95)) ** (rooms * taken)
+        return BEHIND * (1.0 - missed)
 
     def on_another_storey(self) -> float:
         """Chance that a storey that was never entered holds the object."""

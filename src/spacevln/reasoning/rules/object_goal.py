@@ -14,7 +14,6 @@ from spacevln.language import head_noun
 from spacevln.perception.attributes import Agreement
 from spacevln.perception.matching import fit
 from spacevln.reasoning.rules.beliefs import Beliefs
-from spacevln.reasoning.rules.grid import NOWHERE
 from spacevln.reasoning.rules.heading import way_length_m
 from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal, Thing
 from spacevln.reasoning.rules.state import EpisodeState
@@ -23,6 +22,7 @@ from spacevln.reasoning.rules.world import World
 STEPS_PER_M = 4.6  # forwards of 0.25 m, and turns on the way
 STAGE_STEPS = 16.0  # a look-around and the turns to the next direction
 STAIRS_STEPS = 30.0
+STAIRS = 0.25  # share of homes whose goal is on another storey than the start
 FAILED = 0.3  # what a failed stage leaves of a place's hope
 GUESSED = 0.6  # and a portal whose threshold was not seen
 LOOKED_M = 0.9  # a place this near to a look-around hides nothing more
@@ -196,7 +196,7 @@ def _beyond_portals(world: World, beliefs: Beliefs) -> Iterator[Option]:
             xy = _inside(world, portal, 1 - side)
             if _looked(world, xy):
                 continue
-            hope = beliefs.unseen(far) * beliefs.holds(far) + beliefs.leads_on(far)
+            hope = beliefs.unseen(far) * beliefs.holds(far, near) + beliefs.leads_on(far, near)
             if portal.quality < PRECISE_QUALITY:
                 hope *= GUESSED
             region = world.region(world.floor, far) if far else ""
@@ -220,8 +220,7 @@ def _edges(world: World, beliefs: Beliefs) -> Iterator[Option]:
         room = world.room_at(world.floor, frontier.position_m, 0.6)
         share = EDGE * min(frontier.width_m, 2.0) / 2.0
         hope = share * beliefs.unseen(room) * beliefs.holds(room)
-        if room == NOWHERE or (world.floor, room) not in world.visited_rooms:
-            hope += share * beliefs.leads_on(room)
+        hope += share * beliefs.leads_on(room)
         region = world.region(world.floor, room) if room else ""
         words = f"part of the {region or 'place'} is not seen yet"
         yield hope, 0.0, Quest(frontier.position_m, world.floor, False, "edge of the known floor", words)
@@ -235,5 +234,7 @@ def _storeys(context: PlannerContext, world: World, beliefs: Beliefs, state: Epi
         if xy is None:
             continue
         used = sum(1 for link in world.links if world.floor in (link.floor, link.other_floor))
-        hope = beliefs.on_another_storey() * 0.3**used
+        if _looked(world, xy) or _looked(world, stairs.front):
+            used += 1
+        hope = STAIRS * beliefs.on_another_storey() * FAILED ** (2 * used)
         yield hope, STAIRS_STEPS, Quest(xy, world.floor, False, "stairs", "the stairs lead to another floor", True)

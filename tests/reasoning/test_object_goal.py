@@ -1,0 +1,111 @@
+"""The search for an object: names, chances, where to stand, and when it is found."""
+
+from __future__ import annotations
+
+import pytest
+from plain_space import PlainSpace, context, seen
+
+from spacevln.core import Feedback, ObjectGoalTask, PlannerReply, Pose, StageEnd, StageRecord
+from spacevln.language import ROOM_SHARES, chance_in_room
+from spacevln.language.object_rooms import OBJECT_ROOMS, OPENS_ON
+from spacevln.reasoning.rules import RulePlanner
+from spacevln.reasoning.rules.beliefs import Beliefs
+from spacevln.reasoning.rules.object_goal import Match, match
+from spacevln.reasoning.rules.state import EpisodeState
+from spacevln.reasoning.rules.world import World
+
+# a dining room; a doorway east leads to a room with a toilet in it, one north to a room of which nothing is known
+ROOMS = PlainSpace([(-2, -2, 2, 2), (2, -0.5, 2.2, 0.5), (2.2, -2, 6, 2), (-0.5, 2, 0.5, 2.2), (-2, 2.2, 2, 5)])
+START = Pose(0.0, 0.0, 0.0, 0.0)
+SEEN = (("dining table", -1.5, 1.0), ("dining chair", -1.5, 0.2), ("toilet", 5.5, 1.0), ("bathtub", 5.5, -1.0))
+
+
+def sightings(pose: Pose, *more: tuple[str, float, float]) -> list[object]:
+    doors = [seen("doorway", 2.1, 0.0, pose, width_m=1.0), seen("doorway", 0.0, 2.1, pose, width_m=1.0, along_rad=0.0)]
+    return [*doors, *(seen(name, x, y, pose) for name, x, y in (*SEEN, *more))]
+
+
+def plan(goal: str, *more: tuple[str, float, float], pose: Pose = START, **settings: object) -> PlannerReply:
+    boundary = context(ObjectGoalTask(goal), pose, ROOMS, sightings(pose, *more), **settings)  # type: ignore[arg-type]
+    return RulePlanner().plan(boundary)
+
+
+def world() -> World:
+    return EpisodeState().observe(context(ObjectGoalTask("sofa"), START, ROOMS, sightings(START)))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("goal", "name", "expected"),
+    [
+        ("tv", "television", Match.NAME),
+        ("couch", "sofa", Match.NAME),
+        ("wall cabinet", "wall cabinet", Match.NAME),
+        ("cabinet", "wall cabinet", Match.KIND),
+        ("cabinet", "filing cabinet", Match.KIND),
+        ("table", "dining table", Match.KIND),
+        ("dining table", "coffee table", None),
+        ("sofa", "bed", None),
+    ],
+)
+def test_a_goal_is_found_by_its_name_and_a_mere_kind_of_it_is_told_apart(goal: str, name: str, expected: Match | None) -> None:
+    assert match(goal, name, ()) == expected
+
+
+def test_rooms_of_the_tables_are_known_types_and_chances_are_chances() -> None:
+    assert sum(ROOM_SHARES.values()) == pytest.approx(1.0, abs=0.03)
+    assert set(OPENS_ON) <= set(ROOM_SHARES)
+    assert {room for rooms in OPENS_ON.values() for room in rooms} <= set(ROOM_SHARES)
+    assert all(0 < chance <= 1 for rooms in OBJECT_ROOMS.values() for chance in rooms.values())
+    assert chance_in_room("couch", "living room") > 0.8 > 0.1 > chance_in_room("couch", "bathroom") > 0
+    assert chance_in_room("grandfather paradox", "kitchen") == 0.15
+
+
+def test_what_is_seen_of_a_room_changes_what_it_may_hold() -> None:
+    known = world()
+    bathroom, unseen = known.room_at(0, (4.0, 0.0)), known.room_at(0, (0.0, 3.5))
+    dining = known.room_at(0, (0.0, 0.0))
+    stove, toilet = Beliefs(known, "stove"), Beliefs(known, "toilet")
+    assert max(stove.types(bathroom), key=lambda name: stove.types(bathroom)[name]) == "bathroom"
+    assert toilet.holds(bathroom) > 0.9 > toilet.holds(unseen)
+    assert stove.holds(bathroom) < 0.1 < stove.holds(unseen, dining)
+    assert stove.holds(unseen, dining) > stove.holds(unseen)  # dining rooms open on kitchens
+    assert 0 <= stove.leads_on(bathroom) < stove.leads_on(unseen, dining) <= 1
+    assert 0 < stove.on_another_storey() < 1
+
+
+def test_the_search_goes_where_the_object_may_be() -> None:
+    stove = plan("stove").subtask
+    assert stove.target_m is not None
+    assert stove.target_m[1] > 2.5  # not to the bathroom
+    assert not stove.targets_final_anchor
+
+
+def test_another_kind_is_no_goal_while_there_are_steps_to_look_on() -> None:
+    assert not plan("cabinet", ("wall cabinet", 1.5, -1.9)).subtask.targets_final_anchor
+    assert plan("cabinet", ("wall cabinet", 1.5, -1.9), steps_left=50).subtask.targets_final_anchor
+    assert plan("wall cabinet", ("wall cabinet", 1.5, -1.9)).subtask.targets_final_anchor
+
+
+@pytest.mark.parametrize(("x", "complete"), [(0.6, True), (1.2, False)])
+def test_it_is_found_when_it_is_in_view_within_reach(x: float, complete: bool) -> None:
+    first = plan("lamp", ("lamp", x, 0.0)).subtask
+    feedback = Feedback(first, StageRecord(START), (), StageEnd.STAGE_BUDGET)
+    assert plan("lamp", ("lamp", x, 0.0), stage=1, feedback=feedback, last_subtask=first).subtask.complete == complete
+
+
+def test_a_refused_finish_leads_to_another_place_before_the_goal() -> None:
+    planner, lamp = RulePlanner(), ("lamp", 1.9, -1.0)
+    task = ObjectGoalTask("lamp")
+    first = planner.plan(context(task, START, ROOMS, sightings(START, lamp))).subtask  # type: ignore[arg-type]
+    assert first.target_m is not None
+    there = Pose(first.target_m[0], first.target_m[1], 0.0, 0.0)
+    feedback = Feedback(first, StageRecord(START), (), StageEnd.ARRIVAL)
+    boundary = context(task, there, ROOMS, sightings(there, lamp), stage=1, feedback=feedback, last_subtask=first)  # type: ignore[arg-type]
+    assert planner.plan(boundary).subtask.complete
+    refused = context(
+        task, there, ROOMS, sightings(there, lamp), stage=1, feedback=feedback, last_subtask=first, rejections=("no evidence",)
+    )  # type: ignore[arg-type]
+    again = planner.plan(refused).subtask
+    assert not again.complete
+    assert again.target_m is not None
+    assert there.distance_m(*again.target_m[:2]) > 0.25
