@@ -133,7 +133,7 @@ def bench(out: Path, *words: str) -> subprocess.Popen[bytes]:
         str(out),
         *words,
     ]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def results(out: Path) -> dict[str, ResultFile]:
@@ -142,8 +142,9 @@ def results(out: Path) -> dict[str, ResultFile]:
 
 
 def children(pid: int) -> list[int]:
-    out = subprocess.run(["ps", "-o", "pid=,args=", "--ppid", str(pid)], capture_output=True, text=True, check=False).stdout
-    return [int(line.split()[0]) for line in out.splitlines() if "spawn_main" in line]
+    """The worker processes of a runner."""
+    found = map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text().split())
+    return [child for child in found if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()]
 
 
 @pytest.mark.slow
