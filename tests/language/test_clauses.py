@@ -87,7 +87,17 @@ def test_right_as_an_adverb_is_no_turn() -> None:
     assert T.TURN not in types("Walk right past the sofa and wait right there.")
 
 
-@pytest.mark.parametrize("text", ["", "   ", "...", "\U0001f600\U0001f3e0", "\u53bb\u53a8\u623f", "\u0418\u0434\u0438 \u043d\u0430 \u043a\u0443\u0445\u043d\u044e"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "   ",
+        "...",
+        "\U0001f600\U0001f3e0",
+        "\u53bb\u53a8\u623f",
+        "\u0418\u0434\u0438 \u043d\u0430 \u043a\u0443\u0445\u043d\u044e",
+    ],
+)
 def test_what_is_no_english_gives_no_clauses(text: str) -> None:
     assert parse(text) == ()
 
@@ -97,7 +107,9 @@ def test_any_text_is_read_without_an_error(text: str) -> None:
     assert all(isinstance(clause.type, T) for clause in parse(text))
 
 
-@pytest.mark.parametrize("text", ["walk " * 4000, "turn left and " * 1500, "the " * 5000, "stop wait " * 2000, "second door to the " * 1000])
+@pytest.mark.parametrize(
+    "text", ["walk " * 4000, "turn left and " * 1500, "the " * 5000, "stop wait " * 2000, "second door to the " * 1000]
+)
 def test_time_is_linear_on_long_input(text: str) -> None:
     start = time.process_time()
     parse(text[:20000])
