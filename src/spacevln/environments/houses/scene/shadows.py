@@ -15,20 +15,22 @@ from spacevln.environments.houses.materials import material
 from spacevln.environments.houses.plan import House, Item, Part, Rect
 from spacevln.environments.houses.scene.pieces import Piece, flat_uv
 
-_SHARES = (0.9, 0.79, 0.69, 0.6)
+_SHARES = (0.87, 0.74, 0.62)
 """How much of the floor's colour is left, from the outer to the inner ring."""
 _RISE_M = 0.0006
-"""Every ring lies this much over the one around it; the innermost is 2.4 mm over the floor."""
-_TOUCHING: tuple[float, ...] = (0.14, 0.085, 0.045, 0.015)
-_LOW: tuple[float, ...] = (0.09, 0.03, -0.02)
+"""Every ring lies this much over the one around it; the innermost is 1.8 mm over the floor."""
+_TOUCHING: tuple[float, ...] = (0.12, 0.06, 0.02)
+_LOW: tuple[float, ...] = (0.07, -0.01)
 _HIGH: tuple[float, ...] = (0.02, -0.06)
 """How far the rings reach over the outline of what touches the floor, hangs low over it, or high [m]."""
 _TOUCHING_M, _LOW_M, _HIGH_M = 0.03, 0.25, 1.0
 _ROUND = ("disc", "turned", "column", "pot", "bucket", "vase")
-_CORNER = tuple((math.cos(k * math.pi / 6), math.sin(k * math.pi / 6)) for k in range(4))
+_CORNER = tuple((math.cos(k * math.pi / 4), math.sin(k * math.pi / 4)) for k in range(3))
+_UNDER_M, _FOOT_M = 0.01, 0.07
+"""How far a ring reaches under what hides the floor inside it; half the breadth under which a part is a foot."""
 
-Outline = tuple[float, float, float, float, float]
-"""Centre x and y, half width and depth, and radius of the corners, in the item's frame [m]."""
+Outline = tuple[float, float, float, float, float, float]
+"""Centre x and y, half width and depth, radius of the corners, breadth of the ring (0 = filled), in the item's frame [m]."""
 
 
 def shadow_pieces(house: House) -> list[Piece]:
@@ -41,7 +43,8 @@ def shadow_pieces(house: House) -> list[Piece]:
     for item in house.items:
         if item.solid and abs(item.z - house.floors[house.rooms[item.room].floor].z_m) < _TOUCHING_M:
             for level, outline in _outlines(item.parts):
-                rings[item.room, level] += _on_ground(_polygon(item, outline), ground[item.room])
+                for polygon in _polygons(item, outline):
+                    rings[item.room, level] += _on_ground(polygon, ground[item.room])
     return [
         _ring(polygons, house.floors[house.rooms[room].floor].z_m, house.styles[room][0], level, room)
         for (room, level), polygons in sorted(rings.items())
@@ -57,6 +60,11 @@ def _outlines(parts: tuple[Part, ...]) -> tuple[tuple[int, Outline], ...]:
         points = part_triangles(part).points
         low, high = points.min(axis=0), points.max(axis=0)
         (x, y), (hx, hy) = (low[:2] + high[:2]) / 2, (high[:2] - low[:2]) / 2
+        if low[2] < _TOUCHING_M and min(hx, hy) < _FOOT_M:
+            # legs are many: two plain rectangles each keep drawing cheap
+            found[0].append((float(x), float(y), float(hx) + 0.04, float(hy) + 0.04, 0.0, 0.0))
+            found[1].append((float(x), float(y), float(hx) + 0.015, float(hy) + 0.015, 0.0, 0.0))
+            continue
         if low[2] < _TOUCHING_M:
             reaches, most = _TOUCHING, min(1.0, max(0.3, min(hx, hy) / 0.12))
         elif low[2] < _LOW_M:
@@ -71,7 +79,9 @@ def _outlines(parts: tuple[Part, ...]) -> tuple[tuple[int, Outline], ...]:
             if min(a, b) > 0:
                 upright = part.euler_rad == (0.0, 0.0, 0.0) and abs(hx - hy) < 0.03 * hx
                 rounded = min(a, b) if upright and (part.shape == "cylinder" or part.mesh in _ROUND) else max(grown, 0.0)
-                found[level].append((float(x), float(y), a, b, rounded))
+                hidden = low[2] < _TOUCHING_M and part.shape in ("box", "cylinder") and not any(part.euler_rad)
+                inner = reaches[level + 1] * most if level + 1 < len(reaches) else -_UNDER_M if hidden else grown
+                found[level].append((float(x), float(y), a, b, rounded, grown - inner))
     return tuple((level, one) for level in sorted(found) for one in _largest(found[level]))
 
 
@@ -84,19 +94,27 @@ def _largest(outlines: list[Outline]) -> list[Outline]:
     return kept
 
 
-def _polygon(item: Item, outline: Outline) -> Array:
-    """Corners (N, 2) of an outline in the scene, counter-clockwise."""
-    x, y, a, b, radius = outline
+def _polygons(item: Item, outline: Outline) -> list[Array]:
+    """Convex polygons (N, 2) in the scene, counter-clockwise, that fill an outline or its ring."""
+    x, y, a, b, radius, breadth = outline
+    outer = _placed(item, x, y, a, b, radius, radius > 0.0)
+    if breadth == 0.0 or min(a, b) - breadth < _UNDER_M:
+        return [outer]
+    inner = _placed(item, x, y, a - breadth, b - breadth, max(radius - breadth, 0.0), radius > 0.0)
+    ends = [(k, (k + 1) % len(outer)) for k in range(len(outer))]
+    return [np.stack([outer[k], outer[m], inner[m], inner[k]]) for k, m in ends]
+
+
+def _placed(item: Item, x: float, y: float, a: float, b: float, radius: float, rounded: bool) -> Array:
+    """Corners (N, 2) of a rectangle, rounded or not, in the scene, counter-clockwise."""
     corners = []
     for quarter, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
-        turned = [_CORNER[0]] if radius == 0.0 else _CORNER
-        for c, s in turned:
+        for c, s in _CORNER if rounded else _CORNER[:1]:
             for _ in range(quarter):
                 c, s = -s, c
             corners.append((x + sx * (a - radius) + c * radius, y + sy * (b - radius) + s * radius))
-    local = np.array(corners)
     c, s = math.cos(item.yaw_rad), math.sin(item.yaw_rad)
-    return np.asarray(local @ np.array([[c, s], [-s, c]]) + (item.x, item.y))
+    return np.asarray(np.array(corners) @ np.array([[c, s], [-s, c]]) + (item.x, item.y))
 
 
 def _on_ground(polygon: Array, ground: list[Rect]) -> list[Array]:
