@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from plain_space import PlainSpace, context, seen
 
-from spacevln.core import Feedback, ObjectGoalTask, PlannerReply, Pose, StageEnd, StageRecord
+from spacevln.core import Feedback, ObjectGoalTask, PlannerReply, Pose, Sighting, StageEnd, StageRecord
 from spacevln.language import ROOM_SHARES, chance_in_room
 from spacevln.language.object_rooms import OBJECT_ROOMS, OPENS_ON
 from spacevln.reasoning.rules import RulePlanner
@@ -20,7 +20,7 @@ START = Pose(0.0, 0.0, 0.0, 0.0)
 SEEN = (("dining table", -1.5, 1.0), ("dining chair", -1.5, 0.2), ("toilet", 5.5, 1.0), ("bathtub", 5.5, -1.0))
 
 
-def sightings(pose: Pose, *more: tuple[str, float, float]) -> list[object]:
+def sightings(pose: Pose, *more: tuple[str, float, float]) -> list[Sighting]:
     doors = [seen("doorway", 2.1, 0.0, pose, width_m=1.0), seen("doorway", 0.0, 2.1, pose, width_m=1.0, along_rad=0.0)]
     return [*doors, *(seen(name, x, y, pose) for name, x, y in (*SEEN, *more))]
 
@@ -31,7 +31,7 @@ def plan(goal: str, *more: tuple[str, float, float], pose: Pose = START, **setti
 
 
 def world() -> World:
-    return EpisodeState().observe(context(ObjectGoalTask("sofa"), START, ROOMS, sightings(START)))  # type: ignore[arg-type]
+    return EpisodeState().observe(context(ObjectGoalTask("sofa"), START, ROOMS, sightings(START)))
 
 
 @pytest.mark.parametrize(
@@ -96,15 +96,15 @@ def test_it_is_found_when_it_is_in_view_within_reach(x: float, complete: bool) -
 def test_a_refused_finish_leads_to_another_place_before_the_goal() -> None:
     planner, lamp = RulePlanner(), ("lamp", 1.9, -1.0)
     task = ObjectGoalTask("lamp")
-    first = planner.plan(context(task, START, ROOMS, sightings(START, lamp))).subtask  # type: ignore[arg-type]
+    first = planner.plan(context(task, START, ROOMS, sightings(START, lamp))).subtask
     assert first.target_m is not None
     there = Pose(first.target_m[0], first.target_m[1], 0.0, 0.0)
     feedback = Feedback(first, StageRecord(START), (), StageEnd.ARRIVAL)
-    boundary = context(task, there, ROOMS, sightings(there, lamp), stage=1, feedback=feedback, last_subtask=first)  # type: ignore[arg-type]
+    boundary = context(task, there, ROOMS, sightings(there, lamp), stage=1, feedback=feedback, last_subtask=first)
     assert planner.plan(boundary).subtask.complete
     refused = context(
         task, there, ROOMS, sightings(there, lamp), stage=1, feedback=feedback, last_subtask=first, rejections=("no evidence",)
-    )  # type: ignore[arg-type]
+    )
     again = planner.plan(refused).subtask
     assert not again.complete
     assert again.target_m is not None

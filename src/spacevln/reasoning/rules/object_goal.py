@@ -23,13 +23,15 @@ STEPS_PER_M = 4.6  # forwards of 0.25 m, and turns on the way
 STAGE_STEPS = 16.0  # a look-around and the turns to the next direction
 STAIRS_STEPS = 30.0
 STAIRS = 0.25  # share of homes whose goal is on another storey than the start
-FAILED = 0.3  # what a failed stage leaves of a place's hope
+FAILED = 0.2  # what a failed stage leaves of a place's hope
 GUESSED = 0.6  # and a portal whose threshold was not seen
 LOOKED_M = 0.9  # a place this near to a look-around hides nothing more
 EDGE = 0.5  # a frontier shows a part of a room
+EDGE_UNSEEN = 0.4  # and there is more of a room behind it than its known floor tells
 TIGHT = 0.1  # hope that cannot be reached with the steps left
 STAND_OFF_M = 0.65  # from a goal's nearest surface
 AT_GOAL_M = 0.75
+DETOUR_M = 0.6  # beyond the straight line: something as long as a wall lies between
 STOOD_M = 0.35  # around a place from which the goal was not confirmed
 KIND_STEPS = 70  # another kind of the goal's genus does when no more steps are left
 
@@ -107,8 +109,17 @@ def at_goal(context: PlannerContext, world: World, goal: str) -> bool:
         and context.last_subtask is not None
         and context.last_subtask.targets_final_anchor
     )
-    here = context.pose.xy_m[None]
-    return arrived and any(float(thing.distance_m(here)[0]) <= AT_GOAL_M + 0.1 for thing in _instances(world, goal, least))
+    here = (context.pose.x_m, context.pose.y_m)
+    return arrived and any(
+        float(thing.distance_m(np.array([here]))[0]) <= AT_GOAL_M + 0.1 and _on_its_side(context, thing, here)
+        for thing in _instances(world, goal, least)
+    )
+
+
+def _on_its_side(context: PlannerContext, thing: Thing, xy: XY) -> bool:
+    """Whether a place lies on the side of a wall from which a thing was seen: no long way around to the place before it."""
+    way_m = context.space.geodesic_m(np.array(xy), np.array(thing.front))
+    return not math.isfinite(way_m) or way_m <= math.dist(xy, thing.front) + DETOUR_M
 
 
 def _instances(world: World, goal: str, least: Match) -> Iterator[Thing]:
@@ -155,9 +166,11 @@ def standing_place(context: PlannerContext, world: World, thing: Thing, state: E
     for floor, xy in (*world.visited, *state.failures):
         if floor == world.floor:
             cost += 0.5 * (np.hypot(*(centres - np.array(xy)).T) < STOOD_M)
-    for index in np.argsort(cost, kind="stable")[:40:4]:
-        if distance[index] < 1.6 and math.isfinite(context.space.geodesic_m(context.pose.xy_m, centres[index])):
-            return float(centres[index, 0]), float(centres[index, 1])
+    for index in np.argsort(cost, kind="stable")[:60:4]:
+        xy = (float(centres[index, 0]), float(centres[index, 1]))
+        reachable = distance[index] < 1.6 and math.isfinite(context.space.geodesic_m(context.pose.xy_m, centres[index]))
+        if reachable and _on_its_side(context, thing, xy):
+            return xy
     best = int(np.argmin(cost))
     return (float(centres[best, 0]), float(centres[best, 1])) if distance[best] < 1.6 else None
 
@@ -219,7 +232,7 @@ def _edges(world: World, beliefs: Beliefs) -> Iterator[Option]:
             continue
         room = world.room_at(world.floor, frontier.position_m, 0.6)
         share = EDGE * min(frontier.width_m, 2.0) / 2.0
-        hope = share * beliefs.unseen(room) * beliefs.holds(room)
+        hope = share * max(beliefs.unseen(room), EDGE_UNSEEN) * beliefs.holds(room)
         hope += share * beliefs.leads_on(room)
         region = world.region(world.floor, room) if room else ""
         words = f"part of the {region or 'place'} is not seen yet"
