@@ -6,7 +6,7 @@ import pytest
 from plain_space import PlainSpace, context, seen
 
 from spacevln.core import Feedback, ObjectGoalTask, PlannerReply, Pose, Sighting, StageEnd, StageRecord
-from spacevln.language import ROOM_SHARES, chance_in_room
+from spacevln.language import FREE_FLOOR_M2, ROOM_SHARES, chance_in_room
 from spacevln.language.object_rooms import OBJECT_ROOMS, OPENS_ON
 from spacevln.reasoning.rules import RulePlanner
 from spacevln.reasoning.rules.beliefs import Beliefs
@@ -53,7 +53,7 @@ def test_a_goal_is_found_by_its_name_and_a_mere_kind_of_it_is_told_apart(goal: s
 
 def test_rooms_of_the_tables_are_known_types_and_chances_are_chances() -> None:
     assert sum(ROOM_SHARES.values()) == pytest.approx(1.0, abs=0.03)
-    assert set(OPENS_ON) <= set(ROOM_SHARES)
+    assert set(OPENS_ON) <= set(ROOM_SHARES) == set(FREE_FLOOR_M2)
     assert {room for rooms in OPENS_ON.values() for room in rooms} <= set(ROOM_SHARES)
     assert all(0 < chance <= 1 for rooms in OBJECT_ROOMS.values() for chance in rooms.values())
     assert chance_in_room("couch", "living room") > 0.8 > 0.1 > chance_in_room("couch", "bathroom") > 0

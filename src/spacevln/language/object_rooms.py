@@ -27,6 +27,26 @@ ROOM_SHARES = MappingProxyType(
     }
 )
 
+# floor of a room that is not under furniture [m^2], typically
+FREE_FLOOR_M2 = MappingProxyType(
+    {
+        "bedroom": 9.0,
+        "bathroom": 4.0,
+        "hallway": 7.0,
+        "living room": 14.0,
+        "kitchen": 8.0,
+        "dining room": 9.0,
+        "closet": 3.0,
+        "office": 8.0,
+        "laundry room": 5.0,
+        "library": 8.0,
+        "garage": 14.0,
+        "gym": 9.0,
+        "playroom": 9.0,
+        "balcony": 4.0,
+    }
+)
+
 # types that a home seldom has twice on one storey
 SINGLE_ROOMS = frozenset(
     ("kitchen", "living room", "dining room", "laundry room", "office", "library", "garage", "gym", "playroom", "balcony")

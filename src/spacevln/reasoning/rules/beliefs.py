@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 
-from spacevln.language import OPENS_ON, ROOM_SHARES, SINGLE_ROOMS, chance_in_room
+from spacevln.language import FREE_FLOOR_M2, OPENS_ON, ROOM_SHARES, SINGLE_ROOMS, chance_in_room
 from spacevln.reasoning.rules.grid import NOWHERE
 from spacevln.reasoning.rules.world import World
 
-EVIDENCE = 0.7  # log odds for each unit of a region type's score
+EVIDENCE = 1.0  # log odds for each unit of a region type's score
 MOST_EVIDENCE = 7.0
 SECOND_OF_A_KIND = 0.2  # share of homes with two kitchens, etc.
 SURE = 2.5  # score from which a room's type counts as known
-SEEN_WHOLE_M2 = 14.0
-LEAST_UNSEEN = 0.2
+LEAST_UNSEEN = 0.15
 BEHIND = 0.4  # worth of a chance that lies one room further
 LEAST_SHARE = 0.1  # of the usual share, of a type that a room does not usually open on
 ROOMS_ON_A_STOREY = 5
@@ -68,10 +67,11 @@ class Beliefs:
         return sum(p * self._chance[region] for region, p in self.types(room, before).items())
 
     def unseen(self, room: int) -> float:
-        """Share of a room that no look-around has shown, by its known floor."""
+        """Share of a room that no look-around has shown, by its known floor and what rooms of its type measure."""
         if room == NOWHERE:
             return 1.0
-        return max(LEAST_UNSEEN, 1.0 - self._world.grids[self._world.floor].area_m2(room) / SEEN_WHOLE_M2)
+        whole_m2 = sum(p * FREE_FLOOR_M2[region] for region, p in self.types(room).items())
+        return max(LEAST_UNSEEN, 1.0 - self._world.grids[self._world.floor].area_m2(room) / whole_m2)
 
     def leads_on(self, room: int, before: int = NOWHERE) -> float:
         """Chance that a room which a room opens on holds the object, discounted since it is one room further."""
