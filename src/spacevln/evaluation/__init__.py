@@ -1,1 +1,1 @@
-"""Episodes with their truth, metrics, suites, attempts, the runner, summaries. Nothing that the agent could import (DESIGN 5.8)."""
+"""Episodes with their truth, metrics, suites, attempts, the runner, summaries (DESIGN 5.8). The agent cannot import any of it."""

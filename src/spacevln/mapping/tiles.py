@@ -62,7 +62,11 @@ class TiledLayer:
         if not self.tiles or not len(ij):
             return out
         keys, inner = np.divmod(ij, TILE_CELLS)
-        for key in set(map(tuple, keys.tolist())):
+        (low_i, low_j), (high_i, high_j) = keys.min(axis=0).tolist(), keys.max(axis=0).tolist()
+        if (low_i, low_j) == (high_i, high_j):  # mostly all of them lie in one tile
+            tile = self.tiles.get((low_i, low_j))
+            return out if tile is None else tile[inner[:, 0], inner[:, 1]]
+        for key in map(tuple, np.unique(keys, axis=0).tolist()):
             tile = self.tiles.get(key)
             if tile is not None:
                 here = (keys[:, 0] == key[0]) & (keys[:, 1] == key[1])
