@@ -26,6 +26,7 @@ STAIRS = 0.25  # share of homes whose goal is on another storey than the start
 FAILED = 0.2  # what a failed stage leaves of a place's hope
 GUESSED = 0.6  # and a portal whose threshold was not seen
 LOOKED_M = 0.9  # a place this near to a look-around hides nothing more
+OVERLOOKED_M = 1.5  # nor does a place beyond a portal in clear sight of one
 EDGE = 0.5  # a frontier shows a part of a room
 EDGE_UNSEEN = 0.4  # and there is more of a room behind it than its known floor tells
 TIGHT = 0.1  # hope that cannot be reached with the steps left
@@ -179,7 +180,7 @@ def _best_unseen(context: PlannerContext, world: World, goal: str, state: Episod
     """Chance over steps: of independent places to search, the order by that ratio finds the object soonest."""
     beliefs = Beliefs(world, goal)
     best: tuple[float, XY, Quest] | None = None
-    options = (*_beyond_portals(world, beliefs), *_edges(world, beliefs), *_storeys(context, world, beliefs, state))
+    options = (*_beyond_portals(context, world, beliefs), *_edges(world, beliefs), *_storeys(context, world, beliefs, state))
     for chance, steps, quest in options:
         needed = STAGE_STEPS + steps + STEPS_PER_M * way_length_m(context, quest.xy)
         hope = chance * FAILED ** state.failed(quest.floor, quest.xy)
@@ -195,7 +196,15 @@ def _looked(world: World, xy: XY) -> bool:
     return any(floor == world.floor and math.dist(xy, seen) < LOOKED_M for floor, seen in world.visited)
 
 
-def _beyond_portals(world: World, beliefs: Beliefs) -> Iterator[Option]:
+def _overlooked(context: PlannerContext, world: World, xy: XY) -> bool:
+    """Whether a look-around was made in clear sight of a place, not far from it."""
+    return any(
+        floor == world.floor and math.dist(xy, seen) < OVERLOOKED_M and context.space.line_of_sight(np.array(seen), np.array(xy))
+        for floor, seen in world.visited
+    )
+
+
+def _beyond_portals(context: PlannerContext, world: World, beliefs: Beliefs) -> Iterator[Option]:
     for portal in world.sightings.portals:
         if portal.floor != world.floor:
             continue
@@ -207,7 +216,7 @@ def _beyond_portals(world: World, beliefs: Beliefs) -> Iterator[Option]:
             if far and (world.floor, near) not in world.visited_rooms:
                 continue
             xy = _inside(world, portal, 1 - side)
-            if _looked(world, xy):
+            if _looked(world, xy) or _overlooked(context, world, xy):
                 continue
             hope = beliefs.unseen(far) * beliefs.holds(far, near) + beliefs.leads_on(far, near)
             if portal.quality < PRECISE_QUALITY:
