@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -14,12 +14,15 @@ from spacevln.language import head_noun
 from spacevln.perception.attributes import Agreement
 from spacevln.perception.matching import fit
 from spacevln.reasoning.rules.beliefs import Beliefs
+from spacevln.reasoning.rules.grid import resampled
 from spacevln.reasoning.rules.heading import way_length_m
 from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal, Thing
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World
 
 STEPS_PER_M = 4.6  # forwards of 0.25 m, and turns on the way
+STUCK = 2  # failed stages to the only place left
+PIECE_M = 1.8
 STAGE_STEPS = 16.0  # a look-around and the turns to the next direction
 STAIRS_STEPS = 30.0
 STAIRS = 0.25  # share of homes whose goal is on another storey than the start
@@ -32,6 +35,7 @@ EDGE_UNSEEN = 0.4  # and there is more of a room behind it than its known floor 
 TIGHT = 0.1  # hope that cannot be reached with the steps left
 STAND_OFF_M = 0.65  # from a goal's nearest surface
 AT_GOAL_M = 0.75
+FAR_M = 1.3  # from a thing's surface: more than a table between
 DETOUR_M = 0.6  # beyond the straight line: something as long as a wall lies between
 STOOD_M = 0.35  # around a place from which the goal was not confirmed
 KIND_STEPS = 70  # another kind of the goal's genus does when no more steps are left
@@ -117,10 +121,23 @@ def at_goal(context: PlannerContext, world: World, goal: str) -> bool:
     )
 
 
+def _before(context: PlannerContext, thing: Thing) -> XY | None:
+    """The known reachable floor nearest to a thing on the line along which it was first seen; None when there is none."""
+    (x, y), eye = min(thing.surface or [thing.xy], key=lambda p: math.dist(p, thing.seen_from)), thing.seen_from
+    reach = math.dist((x, y), eye)
+    for along in np.arange(0.3, reach, 0.15) / max(reach, 0.3):
+        xy = (x + float(along) * (eye[0] - x), y + float(along) * (eye[1] - y))
+        if math.isfinite(context.space.geodesic_m(context.pose.xy_m, np.array(xy))):
+            return xy
+    return None
+
+
 def _on_its_side(context: PlannerContext, thing: Thing, xy: XY) -> bool:
-    """Whether a place lies on the side of a wall from which a thing was seen: no long way around to the place before it."""
-    way_m = context.space.geodesic_m(np.array(xy), np.array(thing.front))
-    return not math.isfinite(way_m) or way_m <= math.dist(xy, thing.front) + DETOUR_M
+    """Whether a place lies on the side of a wall from which a thing was seen: no long way around to the floor before it."""
+    before = _before(context, thing)
+    if before is None:
+        return True
+    return context.space.geodesic_m(np.array(xy), np.array(before)) <= math.dist(xy, before) + DETOUR_M
 
 
 def _instances(world: World, goal: str, least: Match) -> Iterator[Thing]:
@@ -149,19 +166,26 @@ def standing_place(context: PlannerContext, world: World, thing: Thing, state: E
     Preferred are places in the room it was seen in, on the side from which it was seen, with room around them, near the agent,
     and away from where the agent already stood in vain.
     """
+    before = _before(context, thing)
+    if (
+        before is not None
+        and float(thing.distance_m(np.array([before]))[0]) > FAR_M
+        and context.pose.distance_m(*before) > STOOD_M
+    ):
+        return before  # the floor at its feet is not known yet
     grid = world.grids[world.floor]
     cells = np.argwhere(grid.rooms > 0)
     centres = grid.origin + (cells + 0.5) * 0.15
     near = np.hypot(*(centres - np.array(thing.xy)).T) < 1.8 + thing.extent_m
     cells, centres = cells[near], centres[near]
     if not len(centres):
-        return None
+        return before
     distance = thing.distance_m(centres)
     clear = grid.clearance_m[cells[:, 0], cells[:, 1]]
     room = world.room_of_thing[thing.id][1]
     elsewhere = grid.rooms[cells[:, 0], cells[:, 1]] != room if room else np.zeros(len(cells), dtype=np.bool_)
-    before, side = np.array(thing.seen_from) - np.array(thing.xy), centres - np.array(thing.xy)
-    cosine = (side @ before) / np.maximum(np.hypot(*side.T) * math.hypot(*before), 1e-6)
+    eye, side = np.array(thing.seen_from) - np.array(thing.xy), centres - np.array(thing.xy)
+    cosine = (side @ eye) / np.maximum(np.hypot(*side.T) * math.hypot(*eye), 1e-6)
     cost = np.abs(distance - STAND_OFF_M) + 0.05 * np.hypot(*(centres - context.pose.xy_m).T)
     cost += np.where(clear < 0.2, 0.6, 0.0) + 0.8 * elsewhere + 0.1 * (1.0 - cosine)
     for floor, xy in (*world.visited, *state.failures):
@@ -172,8 +196,7 @@ def standing_place(context: PlannerContext, world: World, thing: Thing, state: E
         reachable = distance[index] < 1.6 and math.isfinite(context.space.geodesic_m(context.pose.xy_m, centres[index]))
         if reachable and _on_its_side(context, thing, xy):
             return xy
-    best = int(np.argmin(cost))
-    return (float(centres[best, 0]), float(centres[best, 1])) if distance[best] < 1.6 else None
+    return thing.front
 
 
 def _best_unseen(context: PlannerContext, world: World, goal: str, state: EpisodeState) -> Quest | None:
@@ -189,7 +212,20 @@ def _best_unseen(context: PlannerContext, world: World, goal: str, state: Episod
         rank = (round(hope / needed, 9), quest.xy, quest)
         if best is None or rank[:2] > best[:2]:
             best = rank
-    return None if best is None else best[2]
+    if best is None or (state.failed(world.floor, best[1]) >= STUCK and context.stage % 2):
+        return None  # elsewhere first: the same place would fail in the same way
+    return _stage_of(context, best[2], state)
+
+
+def _stage_of(context: PlannerContext, quest: Quest, state: EpisodeState) -> Quest:
+    """A way that a stage did not manage as a whole is taken in pieces."""
+    if not state.failed(quest.floor, quest.xy):
+        return quest
+    path = context.space.path(context.pose.xy_m, np.array(quest.xy))
+    if len(path) < 2:
+        return quest
+    x, y = resampled(path, PIECE_M)[1]
+    return replace(quest, xy=(float(x), float(y)))
 
 
 def _looked(world: World, xy: XY) -> bool:
