@@ -25,12 +25,14 @@ from spacevln.core import (
     Verdict,
 )
 from spacevln.language import Clause, cue_kind, known_categories, norm, region_kind
+from spacevln.language.nouns_lexicon import STAIRS
+from spacevln.reasoning.rules.flights import flight_of
 from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, reachable_goal, way_length_m
 from spacevln.reasoning.rules.object_goal import at_goal, find_object
 from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses
 from spacevln.reasoning.rules.search import Hypothesis, Search, worth
 from spacevln.reasoning.rules.sightings import XY
-from spacevln.reasoning.rules.state import EpisodeState
+from spacevln.reasoning.rules.state import Crossing, EpisodeState
 from spacevln.reasoning.rules.thought import describe_here, observation_text, progress_text
 from spacevln.reasoning.rules.world import World
 
@@ -40,6 +42,7 @@ FAILURE_COST = 0.8
 OTHER_FLOOR_M = 6.0
 LEAST_AGREEMENT = 0.3  # of the clauses' weights, that a stop place must have while steps are left to look on
 LAST_STEPS = 45
+AT_ENTRY_M = 0.7  # this near to a flight's open end one may step onto it
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +56,7 @@ class Goal:
         final: the goal itself.
         reason: in words.
         fallbacks: substitutes taken.
+        straight: the way is a flight of stairs: straight on, known or not.
     """
 
     xy: XY
@@ -62,6 +66,7 @@ class Goal:
     final: bool
     reason: str
     fallbacks: tuple[str, ...] = ()
+    straight: bool = False
 
 
 class RulePlanner:
@@ -113,12 +118,50 @@ class RulePlanner:
             and not context.rejections
         ):
             state.verified.append(context.last_subtask.next_anchor)
+        goal = self._crossing(context)
+        if goal is None:
+            match context.task:
+                case InstructionTask():
+                    goal = self._route_goal(context, world)
+                case ObjectGoalTask(goal=name):
+                    goal = self._object_goal(context, world, name)
+            goal = self._onto_stairs(context, world, goal)
+        return self._reply(context, world, here, goal, reached)
+
+    def _crossing(self, context: PlannerContext) -> Goal | None:
+        """On a flight, the goal is its far end, until one stands there."""
+        state = self._state
+        if state.crossing is None:
+            return None
+        if not context.rejections and not state.crossing.go_on(context.pose):
+            state.crossing = None
+            return None
+        floor, anchor = state.floor_of(context), Anchor("landing", SpaceKind.CONNECTOR)
+        return Goal(state.crossing.far, floor, anchor, (self._final(context),), False, "the flight goes on", straight=True)
+
+    def _onto_stairs(self, context: PlannerContext, world: World, goal: Goal) -> Goal:
+        """Stairs are first approached at their open end and then walked to the other one."""
+        if goal.anchor.space_kind is not SpaceKind.FLOOR_TRANSITION:
+            return goal
+        here = (context.pose.x_m, context.pose.y_m)
+        seen = [thing for thing in world.sightings.things if thing.category in STAIRS and thing.floor == world.floor]
+        if not seen:
+            return goal
+        stairs = min(seen, key=lambda thing: math.dist(thing.xy, goal.xy))
+        flight = flight_of(stairs, context.space, here)
+        if flight is None:
+            return goal
+        if math.dist(here, flight.entry) > AT_ENTRY_M:
+            return replace(goal, xy=flight.entry, anchor=Anchor("foot of the stairs", SpaceKind.CONNECTOR))
+        self._state.crossing = Crossing(flight.far, context.pose, context.pose)
+        return replace(goal, xy=flight.far, straight=True)
+
+    def _final(self, context: PlannerContext) -> Anchor:
         match context.task:
             case InstructionTask():
-                goal = self._route_goal(context, world)
+                return final_anchor(self._clauses or ())
             case ObjectGoalTask(goal=name):
-                goal = self._object_goal(context, world, name)
-        return self._reply(context, world, here, goal, reached)
+                return Anchor("", SpaceKind.UNKNOWN, name, cue_kind(name))
 
     def _route_goal(self, context: PlannerContext, world: World) -> Goal:
         clauses = self._clauses or ()
@@ -218,9 +261,10 @@ class RulePlanner:
         else:
             following = goal.anchor
             chain, index = (*verified, goal.anchor, *goal.rest), len(verified) - 1
-        target, known = reachable_goal(context, world.grids[world.floor], goal.xy)
+        target, known = (goal.xy, True) if goal.straight else reachable_goal(context, world.grids[world.floor], goal.xy)
         fallbacks = goal.fallbacks if known else (*goal.fallbacks, "loose_way")
-        bearing = bearing_of_way(context, world.grids[world.floor], target)
+        straight = context.pose.bearing_rad(*target)
+        bearing = straight if goal.straight else bearing_of_way(context, world.grids[world.floor], target)
         view = choose_view(context, bearing)
         state.target = (goal.floor, goal.xy)
         state.target_is_goal = math.dist(target, goal.xy) < ARRIVED_M

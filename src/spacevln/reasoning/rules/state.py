@@ -13,7 +13,50 @@ from spacevln.reasoning.rules.sightings import XY, Sightings
 from spacevln.reasoning.rules.world import FLOOR_HEIGHT_M, Link, World, build_grid
 
 REACHED_M = 0.7
+STOREY_M = 2.8  # a usual storey, from floor to floor
+RUN_PER_RISE = 1.5  # of usual stairs
+BEYOND_M = 0.9  # behind the last step one is off the flight
+ON_STEPS_M = 0.25  # this much over or under the floor one stands on steps
+MOST_STAGES, FIRST_STAGES = 6, 2  # boundaries on the steps, and before the first of them
 LEAST_GAIN_M = 0.6  # a stage that brings its target no nearer than this has failed
+
+
+@dataclass(slots=True)
+class Crossing:
+    """A flight of stairs that is being walked.
+
+    Args:
+        far: where it is expected to end.
+        began: pose before its first step.
+        last: pose at the last planning boundary.
+        stages: planning boundaries so far.
+    """
+
+    far: XY
+    began: Pose
+    last: Pose
+    stages: int = 0
+
+    def go_on(self, pose: Pose) -> bool:
+        """Take in a boundary's pose; whether the flight is not yet behind one.
+
+        What the feet have climbed tells more than what was seen: on the steps the flight leads where one has just gone.
+        """
+        climbed, rose = abs(pose.z_m - self.began.z_m), abs(pose.z_m - self.last.z_m)
+        gone = math.hypot(pose.x_m - self.last.x_m, pose.y_m - self.last.y_m)
+        self.stages += 1
+        if climbed > ON_STEPS_M and rose > ON_STEPS_M / 2 and gone > ON_STEPS_M:
+            rest = max(0.0, STOREY_M - climbed) * RUN_PER_RISE + BEYOND_M
+            self.far = (
+                pose.x_m + rest * (pose.x_m - self.last.x_m) / gone,
+                pose.y_m + rest * (pose.y_m - self.last.y_m) / gone,
+            )
+        self.last = pose
+        if climbed <= ON_STEPS_M and pose.distance_m(*self.far) < BEYOND_M:
+            return False  # it was no flight, or not this way
+        if climbed > STOREY_M - ON_STEPS_M:
+            return rose > ON_STEPS_M
+        return self.stages <= (MOST_STAGES if climbed > ON_STEPS_M else FIRST_STAGES)
 
 
 @dataclass(slots=True)
@@ -31,6 +74,7 @@ class EpisodeState:
     target_way_m: float = 0.0
     target_is_goal: bool = True
     failures: list[tuple[int, XY]] = field(default_factory=list)
+    crossing: Crossing | None = None
 
     def floor_of(self, context: PlannerContext) -> int:
         """Current storey: of the memory, else from the height."""
