@@ -16,6 +16,7 @@ Float = NDArray[np.float64]
 BEFORE_M = 0.45  # one stands this far before the first step
 BEYOND_M = 0.9  # and is off the flight this far behind the last one
 USUAL_RUN_M = 4.2  # of a storey; a flight seen from above shows its first steps only
+LEAST_RUN_M = 1.8  # a shorter stretch may be the breadth of the steps
 LEAST_POINTS = 4
 
 
@@ -48,7 +49,7 @@ def flight_of(stairs: Thing, space: SpatialMap, pose_xy: XY) -> Flight | None:
     axis = axes[0]
     along = (points - middle) @ axis
     across = (points - middle) @ np.array([-axis[1], axis[0]])
-    if np.ptp(along) < 1.2 * np.ptp(across):  # as broad as long: only its first steps were seen, so it leads away from the eye
+    if np.ptp(along) < max(1.2 * np.ptp(across), LEAST_RUN_M):  # only its first steps were seen: it leads away from the eye
         axis = middle - np.array(stairs.seen_from)
         axis = _square(axis / max(float(np.linalg.norm(axis)), 1e-6), axes)
         along = (points - middle) @ axis
