@@ -48,7 +48,14 @@ def test_run_leaves_a_complete_record(short_run: tuple[Path, subprocess.Complete
     assert set(summary.metrics) >= {"SR", "SPL", "OSR", "NE", "nDTW", "steps"}
     assert sum(summary.statuses.values()) == 1
     assert (folder / "topdown.png").stat().st_size > 1000
-    kinds = [event.event for event in read_events(folder)]
+    events = list(read_events(folder))
+    named = [event.rgb for event in events if event.event == "step_taken" and event.rgb]
+    named += [
+        event.memory.map_image for event in events if event.event == "looked_around" and event.memory and event.memory.map_image
+    ]
+    assert len(named) > 10
+    assert all((folder / name).exists() for name in named)
+    kinds = [event.event for event in events]
     assert (kinds[0], kinds[-1]) == ("episode_started", "episode_ended")
     assert kinds.count("step_taken") == result.metrics.steps
 

@@ -13,7 +13,7 @@ from spacevln.core import UsageError
 if TYPE_CHECKING:
     from spacevln.environments.houses.plan import House, Rect, Room
 
-SEED = click.option("--seed", type=click.IntRange(0, 999_999), default=7, show_default=True, help="Which house.")
+SEED = click.option("--seed", type=click.IntRange(0, 999_999), default=9, show_default=True, help="Which house.")
 THUMB_PX = (400, 300)
 COLUMNS = 3
 

@@ -19,7 +19,7 @@ MAX_INSTRUCTION_CHARS = 4000
 @click.option(
     "--task", type=click.Choice(["vln", "objectnav"]), default="vln", show_default=True, help="Follow a route, or find an object."
 )
-@click.option("--seed", type=click.IntRange(0, 999_999), default=7, show_default=True, help="Which house.")
+@click.option("--seed", type=click.IntRange(0, 999_999), default=9, show_default=True, help="Which house.")
 @click.option("--instruction", default=None, help="Your own route instruction; it has no truth, so its metrics are null.")
 @click.option("--goal", default=None, help="Your own goal object, e.g. 'teapot' (with --task objectnav).")
 @agent_options

@@ -166,8 +166,8 @@ class EpisodeRecorder:
             return None
         image = None
         if memory.map_image is not None:
-            image = f"stage_{stage:02d}_map.png"
-            self._write(image, memory.map_image[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, PNG_COMPRESSION])
+            options = [cv2.IMWRITE_PNG_COMPRESSION, PNG_COMPRESSION]
+            image = self._write(f"stage_{stage:02d}_map.png", memory.map_image[..., ::-1], options)
         return schema.MemoryLine(
             pose=memory.pose,
             floor=memory.floor,
