@@ -106,7 +106,8 @@ class Observation:
             )
         if not np.issubdtype(self.depth_m.dtype, np.floating):
             raise UsageError(
-                f"Observation.depth_m has type {self.depth_m.dtype}, needed are floating metres: divide millimetres by 1000."
+                f"Observation.depth_m has type {self.depth_m.dtype}, needed are floating-point metres: "
+                "divide raw millimetres by 1000."
             )
         if self.rgb.shape != (*size, 3) or self.rgb.dtype != np.uint8:
             raise UsageError(
