@@ -42,17 +42,18 @@ Driver = Literal["agent", "random", "forward", "oracle"]
 
 
 def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Configuration:
-    """The configuration that these options say."""
+    """The configuration that these options say, with the renderer that this machine will really use."""
     from spacevln.assembly import (
         ComponentSettings,
         Configuration,
         HousesSettings,
         LabelDetectorSettings,
     )
+    from spacevln.environments.houses.rendering import renderer_info
 
     return Configuration(
         driver=driver,
-        environment=HousesSettings(renderer=options["renderer"], sliding=options["sliding"]),
+        environment=HousesSettings(renderer=renderer_info(options["renderer"]).name, sliding=options["sliding"]),
         detector=LabelDetectorSettings(miss_rate=options["miss_rate"], confusion_rate=options["confusion_rate"]),
         components=ComponentSettings(**dict.fromkeys(options["without"], False)),
         planner=options["planner"],

@@ -39,7 +39,7 @@ def run(task: str, seed: int, instruction: str | None, goal: str | None, out: Pa
 
     configuration = configuration_from(options)
     directory = prepare(out)
-    claim_directory(directory, describe_run(f"run {task}", configuration))
+    claim_directory(directory, describe_run(f"run {task} {seed} {instruction or goal or ''}".strip(), configuration))
     with EpisodeProgress() as progress:
         progress.say("building the house")
         episode = pick_episode(task, seed, instruction=instruction, goal=goal)

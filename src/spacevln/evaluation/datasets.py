@@ -15,7 +15,7 @@ Probe = Literal["none", "swapped", "last-noun"]
 SuiteName = Literal["houses-vln", "houses-objectnav"]
 SUITES: tuple[SuiteName, ...] = ("houses-vln", "houses-objectnav")
 HABITAT_SUITES = ("r2r-ce", "rxr-ce", "hm3d-ovon", "gn-bench")
-"""Suites whose names are fixed already and whose loaders come with later steps (docs/roadmap.md)."""
+"""Suites whose names are fixed already and whose loaders come with later steps."""
 
 TEST_SEEDS = (100_000, 100_100)
 DEV_SEEDS = (0, 50)
