@@ -1,7 +1,8 @@
 """Every seam of the system on one page.
 
 An :class:`Environment` yields observations and executes primitives. A :class:`Detector` grounds phrases. A :class:`Planner`
-and an :class:`Executor` reason. A :class:`SpatialMap` answers questions about known space. An :class:`EventSink` listens.
+and an :class:`Executor` reason, some of them by a :class:`ChatModel`. A :class:`SpatialMap` answers questions about known
+space. An :class:`EventSink` listens.
 Implementations need not inherit; ``spacevln.testing`` has a conformance suite for each.
 """
 
@@ -19,6 +20,7 @@ from spacevln.core.sensing import Camera, Detection, Observation
 from spacevln.core.task import EpisodeSpec, Task
 
 if TYPE_CHECKING:
+    from spacevln.core.chat import ChatReply, ChatRequest
     from spacevln.core.contexts import ExecutorContext, ExecutorReply, PlannerContext, PlannerReply
     from spacevln.core.events import Event
 
@@ -142,6 +144,24 @@ class Executor(Protocol):
         Raises:
             ReplyRejected: the reply could not be parsed; asked again with the reason, at most N_retry times.
             ModelError: no reply can be had; the stage goes back to the planner.
+        """
+
+
+class ChatModel(Protocol):
+    """Answers one complete request at a time (DESIGN 5.5). Retries, rate limit, cost and recording happen behind it."""
+
+    @property
+    def name(self) -> str:
+        """What it is called in records and tables, e.g. ``"qwen3.5-plus"``."""
+
+    def complete(self, request: ChatRequest) -> ChatReply:
+        """Answer, in the shape that ``request.reply_schema`` asks for as far as the server can promise it: parse the text anyway.
+
+        Raises:
+            ReplyRejected: a reply came but is unusable as it is (empty, cut off at ``max_tokens``, too long, withheld by a
+                content filter); let it pass, so that the loop asks again with the reason.
+            ModelError: no reply can be had; let it pass.
+            SpendingLimit: the run has spent what it may; let it pass.
         """
 
 
