@@ -84,9 +84,9 @@ class FloorTracker:
         self.connectors: list[StairConnector] = []
         self.current: Floor | None = None
         self.stable_steps = 0
-        self._last: Pose | None = None
-        self._left_at: Pose | None = None
-        self._climbed_m = 0.0
+        self.last: Pose | None = None
+        self.left_at: Pose | None = None
+        self.climbed_m = 0.0
 
     def update(self, pose: Pose, flat_cells: int) -> Floor:
         """The floor of this pose; opens one when needed.
@@ -95,33 +95,49 @@ class FloorTracker:
             pose: live pose.
             flat_cells: number of cells in which floor at the height of the feet is seen now.
         """
-        current = self.current
-        if current is None:
-            current = self.current = self.floors[0] = Floor(0, pose.z_m)
-        last, self._last = self._last or pose, pose
+        current = self.current or self._arrive(pose)
+        last, self.last = self.last or pose, pose
         moved_m = last.distance_m(pose.x_m, pose.y_m)
         rise_m = pose.z_m - current.z_m
         if abs(rise_m) <= LEVEL_M:
-            self._left_at, self._climbed_m = pose, 0.0
+            self.left_at, self.climbed_m = pose, 0.0
         else:
-            self._climbed_m += math.hypot(moved_m, pose.z_m - last.z_m)
+            self.climbed_m += math.hypot(moved_m, pose.z_m - last.z_m)
         stable = abs(pose.z_m - last.z_m) <= _STABLE_RISE_M and (moved_m >= _STABLE_MOVE_M or flat_cells >= _FLAT_CELLS)
         self.stable_steps = self.stable_steps + 1 if abs(rise_m) > OTHER_FLOOR_M and stable else 0
         if self.stable_steps >= STABLE_STEPS:
             current = self._switch(current, pose, 1 if rise_m > 0 else -1)
         return current
 
-    def _switch(self, left: Floor, pose: Pose, direction: int) -> Floor:
+    def start_episode(self) -> None:
+        """The next pose begins a new way, anywhere on the known floors or beside them."""
+        self.current = self.last = self.left_at = None
+        self.stable_steps, self.climbed_m = 0, 0.0
+
+    def _arrive(self, pose: Pose) -> Floor:
+        """The floor on which a way begins."""
+        known = sorted(self.floors)
+        floor = self._near(pose)
+        if floor is None:
+            upward = bool(known) and pose.z_m > self.floors[known[-1]].z_m
+            floor_id = 0 if not known else known[-1] + 1 if upward else known[0] - 1
+            floor = self.floors[floor_id] = Floor(floor_id, pose.z_m)
+        self.current = floor
+        return floor
+
+    def _near(self, pose: Pose) -> Floor | None:
         near = [floor for floor in self.floors.values() if abs(floor.z_m - pose.z_m) <= SAME_FLOOR_M]
-        if near:
-            floor = min(near, key=lambda floor: abs(floor.z_m - pose.z_m))
-        else:
+        return min(near, key=lambda floor: abs(floor.z_m - pose.z_m)) if near else None
+
+    def _switch(self, left: Floor, pose: Pose, direction: int) -> Floor:
+        floor = self._near(pose)
+        if floor is None:
             floor_id = left.id + direction
             while floor_id in self.floors:
                 floor_id += direction
             floor = self.floors[floor_id] = Floor(floor_id, pose.z_m)
-        start = self._left_at or pose
-        self.connectors.append(StairConnector(left.id, floor.id, start, pose, self._climbed_m))
+        start = self.left_at or pose
+        self.connectors.append(StairConnector(left.id, floor.id, start, pose, self.climbed_m))
         self.current, self.stable_steps = floor, 0
-        self._left_at, self._climbed_m = pose, 0.0
+        self.left_at, self.climbed_m = pose, 0.0
         return floor

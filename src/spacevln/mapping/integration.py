@@ -44,6 +44,10 @@ class FrameWriter:
         self._depth_m = np.zeros((0, 0), np.float32)
         self._last: tuple[Pose, Floor] | None = None
 
+    def resume(self, pose: Pose | None, floor: Floor | None) -> None:
+        """The body was here when it was last written; None when nothing leads to its next place."""
+        self._last = None if pose is None or floor is None else (pose, floor)
+
     def _window(self, name: str, rows: int, columns: int, itemsize: int = 1) -> NDArray[np.uint8]:
         """A contiguous piece of kept memory, as bytes."""
         need = rows * columns * itemsize

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spacevln.core import Frontier, Observation, ObstacleDistances, Pose, Sighting, UsageError
-from spacevln.mapping import sectors, wavefront
+from spacevln.mapping import persistence, sectors, wavefront
 from spacevln.mapping.cells import FREE_EVIDENCE, free_of
 from spacevln.mapping.crops import MapCrop, crop_floor
 from spacevln.mapping.floors import Floor, FloorTracker, StairConnector
@@ -100,6 +102,49 @@ class MetricMap:
         self._trace.start_stage()
         for floor in self._tracker.floors.values():
             floor.semantic.clear()
+
+    def start_episode(self) -> None:
+        """Keep what is known and begin anew, e.g. after :meth:`load`: the next pose may be anywhere in the same frame."""
+        self._tracker.start_episode()
+        self._trace = Trace()
+        self._writer.resume(None, None)
+        self._pending.clear()
+        self.start_stage()
+
+    # -- keeping -----------------------------------------------------------------------------------------------------------
+
+    def save(self, path: str | Path) -> None:
+        """Write the map to a ``.npz`` file (see ``mapping.persistence``); a file that was there is replaced whole.
+
+        Frames on a landing that wait for the decision which floor they belong to (at most 3) are not part of it.
+        """
+        persistence.write(self.to_arrays(), Path(path))
+
+    @classmethod
+    def load(cls, path: str | Path) -> MetricMap:
+        """The map that :meth:`save` wrote; it goes on where that one was. See :meth:`start_episode` for a new way in it.
+
+        Raises:
+            UsageError: the file is missing, damaged, no map, or of another version.
+        """
+        return cls.from_arrays(persistence.read(Path(path)))
+
+    def to_arrays(self) -> dict[str, NDArray[Any]]:
+        """What :meth:`save` writes, as named arrays that all begin with ``map/``: part of a larger archive."""
+        return persistence.pack(persistence.MapState(self.resolution_m, self.agent_radius_m, self._tracker, self._trace))
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> MetricMap:
+        """Inverse of :meth:`to_arrays`; other names among the arrays are ignored.
+
+        Raises:
+            UsageError: there is no map among them, or it is damaged or of another version.
+        """
+        state = persistence.unpack(arrays)
+        world_map = cls(state.resolution_m, state.agent_radius_m)
+        world_map._tracker, world_map._trace = state.tracker, state.trace
+        world_map._writer.resume(state.tracker.last, state.tracker.current)
+        return world_map
 
     # -- floors ------------------------------------------------------------------------------------------------------------
 
