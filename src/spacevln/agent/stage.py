@@ -20,6 +20,7 @@ from spacevln.core import (
     ExecutorReply,
     Feedback,
     Motion,
+    Sighting,
     StageEnd,
     StageRecord,
     Stop,
@@ -54,6 +55,7 @@ class Stage:
         self._terms = world.begin_stage(subtask, body.pose)
         floor, region = world.locate(body.pose)
         self._arrival = StageArrival(subtask, floor, region, settings.control)
+        self._seen: tuple[Sighting, ...] = ()  # of the stage's landmark in the current image
 
     def run(self, heading_rad: float) -> Feedback:
         """Rotate to the chosen direction, then decide and act until the stage ends.
@@ -68,12 +70,16 @@ class Stage:
         return Feedback(self._subtask, self._record, self._world.pool(), end)  # F_k = Phi(sigma_k, tau_k, B^(k))
 
     def _align(self, heading_rad: float) -> None:
-        self._world.update_landmarks(self._world.perceive([self._body.view], self._terms)[0], self._body.pose)
+        self._note(self._world.perceive([self._body.view], self._terms)[0])
         for turn in turns_toward(heading_rad, self._body.spec):
             if not self._body.budget.can_move:
                 return
-            _, sightings = self._body.step(turn, Phase.ALIGN, self._terms)
-            self._world.update_landmarks(sightings, self._body.pose)
+            self._note(self._body.step(turn, Phase.ALIGN, self._terms)[1])
+
+    def _note(self, sightings: tuple[Sighting, ...]) -> None:
+        """Update_landmark (line 11) by what the current image shows."""
+        self._seen = sightings
+        self._world.update_landmarks(sightings, self._body.pose)
 
     def _budget_end(self) -> StageEnd | None:
         """Whether the episode's or the stage's budget is spent."""
@@ -133,6 +139,7 @@ class Stage:
             admissible=self._control.admissible(obstacles),
             space=self._world.space,
             decisions_left=self._settings.control.stage_decisions - len(self._record.decisions),
+            sightings=self._seen,
         )
 
     def _carry_out(self, reply: ExecutorReply) -> ExecutedDecision:
@@ -152,5 +159,5 @@ class Stage:
 
     def _primitive(self, primitive: Action) -> Motion:
         motion, sightings = self._body.step(primitive, Phase.EXECUTE, self._terms)
-        self._world.update_landmarks(sightings, self._body.pose)
+        self._note(sightings)
         return motion

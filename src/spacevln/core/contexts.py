@@ -144,6 +144,7 @@ class ExecutorContext:
         space: queries on the metric map.
         decisions_left: executor decisions that the stage budget still allows, this one included.
         rejections: why earlier answers to this very query were refused.
+        sightings: of the stage's landmark in this very image, for marking it.
     """
 
     observation: Observation
@@ -155,6 +156,7 @@ class ExecutorContext:
     space: SpatialMap
     decisions_left: int
     rejections: tuple[str, ...] = ()
+    sightings: tuple[Sighting, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
