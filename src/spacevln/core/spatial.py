@@ -53,6 +53,7 @@ class Mark:
     FIRST = "first"
     PREVIOUS = "previous"
     VISITED = "visited"
+    EARLIER = "earlier episode"  # known from a loaded memory, not visited in this episode
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +67,7 @@ class ArrangedWaypoint:
         geodesic_m: on known free space; inf when no known way leads there.
         path: connectivity path, indices of the waypoints on the way (multi-hop), this one last.
         marks: of :class:`Mark`.
-        visits: how often the chain passed here.
+        visits: how often the chain passed here; 0 for what only an earlier episode in this building visited.
     """
 
     waypoint: SpatialWaypoint

@@ -5,6 +5,7 @@ from spacevln.memory.graph import Edge, EdgeKind, WaypointGraph
 from spacevln.memory.hierarchical import HierarchicalSpatialMemory
 from spacevln.memory.landmarks import LocalLandmarkMemory, summarise
 from spacevln.memory.metric import MemoryMap
+from spacevln.memory.persistence import SavedMemory, load_memory, save_memory
 from spacevln.memory.regions import Region
 from spacevln.memory.spatial_cognitive import SpatialCognitiveMemory
 
@@ -16,8 +17,11 @@ __all__ = [
     "LocalLandmarkMemory",
     "MemoryMap",
     "Region",
+    "SavedMemory",
     "SpatialCognitiveMemory",
     "WaypointGraph",
+    "load_memory",
     "reached_space",
+    "save_memory",
     "summarise",
 ]

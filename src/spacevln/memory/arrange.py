@@ -32,8 +32,8 @@ def arrange(memory: HierarchicalSpatialMemory, pose: Pose, metric_map: MemoryMap
     if not waypoints:
         return ()
     on_map = _map_distances(pose, waypoints, metric_map)
-    along_graph, previous = memory.graph.shortest(_entrances(pose, waypoints, on_map, metric_map.floor))
-    arranged = []
+    along_graph, previous = memory.graph.shortest(_entrances(memory, pose, on_map, metric_map.floor))
+    chain, arranged = memory.chain, []
     for group in _overlapping(memory, waypoints):
         newest = waypoints[group[-1]]
         way_m = float(on_map[newest.index])
@@ -44,8 +44,8 @@ def arrange(memory: HierarchicalSpatialMemory, pose: Pose, metric_map: MemoryMap
                 bearing_rad=pose.bearing_rad(newest.pose.x_m, newest.pose.y_m),
                 geodesic_m=way_m if math.isfinite(way_m) else along_graph.get(newest.index, math.inf),
                 path=_path(newest.index, on_map, along_graph, previous),
-                marks=_marks(group, len(waypoints)),
-                visits=len(group),
+                marks=_marks(group, chain),
+                visits=sum(index in chain for index in group),
             )
         )
     return tuple(sorted(arranged, key=lambda item: _order(item, pose, metric_map.floor)))
@@ -58,7 +58,7 @@ def _map_distances(pose: Pose, waypoints: Sequence[SpatialWaypoint], metric_map:
     return np.where([waypoint.floor == metric_map.floor for waypoint in waypoints], distances, np.inf)
 
 
-def _entrances(pose: Pose, waypoints: Sequence[SpatialWaypoint], on_map: Float, floor: int) -> dict[int, float]:
+def _entrances(memory: HierarchicalSpatialMemory, pose: Pose, on_map: Float, floor: int) -> dict[int, float]:
     """Where a way over the graph may begin: the waypoints within local reach, or else the nearest one."""
     within = {index: float(way) for index, way in enumerate(on_map) if way <= REACH_M}
     if within:
@@ -66,9 +66,11 @@ def _entrances(pose: Pose, waypoints: Sequence[SpatialWaypoint], on_map: Float, 
     if np.isfinite(on_map).any():
         nearest = int(np.argmin(on_map))
         return {nearest: float(on_map[nearest])}
-    here = [waypoint for waypoint in waypoints if waypoint.floor == floor] or list(waypoints)
-    last = here[-1]  # the map does not join the pose to any: the way it came
-    return {last.index: pose.distance_m(last.pose.x_m, last.pose.y_m)}
+    came_by = [memory.waypoints[index] for index in memory.chain]
+    if not came_by:
+        return {}  # set down in a known building, out of reach of what is known
+    last = next((waypoint for waypoint in reversed(came_by) if waypoint.floor == floor), came_by[-1])
+    return {last.index: pose.distance_m(last.pose.x_m, last.pose.y_m)}  # the map does not join them: the way it came
 
 
 def _path(index: int, on_map: Float, reached: dict[int, float], previous: dict[int, int]) -> tuple[int, ...]:
@@ -102,13 +104,16 @@ def _overlapping(memory: HierarchicalSpatialMemory, waypoints: Sequence[SpatialW
     return [group[::-1] for group in groups]
 
 
-def _marks(group: Sequence[int], count: int) -> tuple[str, ...]:
+def _marks(group: Sequence[int], chain: Sequence[int]) -> tuple[str, ...]:
+    own = [index for index in group if index in chain]
+    if not own:
+        return (Mark.EARLIER,)
     marks = []
-    if 0 in group:
+    if chain[0] in own:
         marks.append(Mark.FIRST)
-    if count - 1 in group:
+    if chain[-1] in own:
         marks.append(Mark.PREVIOUS)
-    if len(group) > 1:
+    if len(own) > 1:
         marks.append(Mark.VISITED)
     return tuple(marks)
 

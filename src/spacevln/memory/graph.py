@@ -53,6 +53,16 @@ class WaypointGraph:
         self._legs: dict[tuple[int, int], Float] = {}  # of E_chain edges on one floor
         self._adjacent: dict[int, dict[int, float]] = {}
 
+    @classmethod
+    def restored(cls, ways: Sequence[tuple[Edge, Float]]) -> WaypointGraph:
+        """The graph of these edges, each with the way along it (:meth:`path_of`)."""
+        graph = cls()
+        for edge, path in ways:
+            graph._edges[edge.a, edge.b, edge.kind] = edge
+            (graph._paths if edge.kind is EdgeKind.MAP else graph._legs)[edge.a, edge.b] = path
+            graph._relink(edge.a, edge.b)
+        return graph
+
     @property
     def edges(self) -> tuple[Edge, ...]:
         """Every edge, ordered by ends and kind."""

@@ -39,9 +39,25 @@ class HierarchicalSpatialMemory:
         self.regions = Regions()
         self.thresholds = Thresholds()
         self._waypoints: list[SpatialWaypoint] = []
+        self._chains = [0]  # index of the first waypoint of every episode's chain
         self._adjacent: set[frozenset[str]] = set()
         self._adjacent_at = 0  # version of the regions that it was found for
         self._walked_until = 0  # length of the map's trajectory when the last waypoint was added
+
+    @classmethod
+    def restored(
+        cls,
+        waypoints: Sequence[SpatialWaypoint],
+        chain_starts: Sequence[int],
+        graph: WaypointGraph,
+        regions: Regions,
+        thresholds: Thresholds,
+    ) -> HierarchicalSpatialMemory:
+        """What was saved (``memory.persistence``), ready for :meth:`start_episode`."""
+        memory = cls()
+        memory.graph, memory.regions, memory.thresholds = graph, regions, thresholds
+        memory._waypoints, memory._chains = list(waypoints), list(chain_starts)
+        return memory
 
     @property
     def waypoints(self) -> tuple[SpatialWaypoint, ...]:
@@ -50,8 +66,25 @@ class HierarchicalSpatialMemory:
 
     @property
     def chain(self) -> tuple[int, ...]:
-        """P: waypoint indices, every visit in order."""
-        return tuple(waypoint.index for waypoint in self._waypoints)
+        """P: waypoint indices, every visit of this episode in order."""
+        return tuple(range(self._chains[-1], len(self._waypoints)))
+
+    @property
+    def chains(self) -> tuple[tuple[int, ...], ...]:
+        """The chain of every episode in this building, the present one last; mostly there is one."""
+        ends = (*self._chains[1:], len(self._waypoints))
+        return tuple(tuple(range(first, end)) for first, end in zip(self._chains, ends, strict=True))
+
+    @property
+    def chain_starts(self) -> tuple[int, ...]:
+        """Index of the first waypoint of every chain."""
+        return tuple(self._chains)
+
+    def start_episode(self) -> None:
+        """Keep what is known and begin a new chain: nothing joins the last waypoint to the next one."""
+        if self.chain:
+            self._chains.append(len(self._waypoints))
+        self._walked_until = 0
 
     @property
     def floors(self) -> tuple[int, ...]:
@@ -88,7 +121,7 @@ class HierarchicalSpatialMemory:
         earlier = self.waypoints
         self._waypoints.append(waypoint)
         self.graph.connect_map(waypoint, earlier, metric_map)
-        if earlier:
+        if len(self.chain) > 1:
             self._connect_chain(earlier[-1], waypoint, metric_map)
         self._walked_until = len(metric_map.travelled)
         self.regions.update(self._waypoints, metric_map, self.thresholds)

@@ -8,7 +8,7 @@ thresholds, and connectors between them, keep them apart.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -128,6 +128,21 @@ def _ray_pixels(side: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return rows.astype(np.int64), columns.astype(np.int64)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class RegionsState:
+    """All that :class:`Regions` holds between two waypoints.
+
+    Args:
+        supports: by waypoint.
+        joined: whether two waypoints of one type stand in one space, for the pairs that were looked at.
+        regions: in the order of their first waypoints.
+    """
+
+    supports: tuple[Support, ...]
+    joined: Mapping[tuple[int, int], bool]
+    regions: tuple[Region, ...]
+
+
 class Regions:
     """Which waypoint belongs to which region. Follows the waypoints as they come; labels are stable."""
 
@@ -138,6 +153,23 @@ class Regions:
         self._joined: dict[tuple[int, int], bool] = {}
         self._regions: tuple[Region, ...] = ()
         self._of: list[int] = []  # index into _regions, by waypoint
+
+    @classmethod
+    def restored(cls, state: RegionsState) -> Regions:
+        """Inverse of :attr:`state`."""
+        regions = cls()
+        regions.version = 1
+        regions._supports, regions._joined = list(state.supports), dict(state.joined)
+        regions._regions = state.regions
+        of = {index: k for k, region in enumerate(state.regions) for index in region.waypoints}
+        regions._of = [of[index] for index in range(len(state.supports))]
+        regions._numbers = regions._numbers_now()
+        return regions
+
+    @property
+    def state(self) -> RegionsState:
+        """What a saved memory keeps."""
+        return RegionsState(tuple(self._supports), dict(sorted(self._joined.items())), self._regions)
 
     @property
     def all(self) -> tuple[Region, ...]:
@@ -245,7 +277,10 @@ class Regions:
                 self._of[index] = len(regions)
             regions.append(Region(f"{kind} {number}", kind, waypoints[members[0]].floor, tuple(members)))
         self._regions = tuple(regions)
-        self._numbers = [int(self.of(index).label.rsplit(" ", 1)[1]) for index in range(len(waypoints))]
+        self._numbers = self._numbers_now()
+
+    def _numbers_now(self) -> list[int]:
+        return [int(self.of(index).label.rsplit(" ", 1)[1]) for index in range(len(self._of))]
 
 
 def _type_of(waypoint: SpatialWaypoint) -> str:

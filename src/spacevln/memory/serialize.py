@@ -94,7 +94,7 @@ def _chain(memory: HierarchicalSpatialMemory, pose: Pose, floor: int) -> str:
     text = told = ""
     for index in memory.chain:
         waypoint = waypoints[index]
-        if index:
+        if text:
             text += _leg(waypoints[index - 1].pose, waypoint.pose, waypoints[index - 1].floor, waypoint.floor)
         region = memory.regions.of(index).label
         text += f"w{index}" if region == told else f"w{index} {region}"

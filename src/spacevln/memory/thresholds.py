@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,10 +39,10 @@ class Threshold:
 class Thresholds:
     """Every threshold seen so far; of two views of one opening the nearer stands."""
 
-    def __init__(self) -> None:
-        self._known: list[Threshold] = []
+    def __init__(self, known: Iterable[Threshold] = ()) -> None:
+        self._known = list(known)
 
-    def __iter__(self) -> Iterable[Threshold]:
+    def __iter__(self) -> Iterator[Threshold]:
         return iter(self._known)
 
     def add(self, sightings: Iterable[Sighting], floor: int) -> None:
