@@ -8,12 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spacevln.core import Pose
+from spacevln.mapping.reachability import Reachability
 from spacevln.mapping.tiles import TiledLayer
 
 SAME_FLOOR_M = 1.0
 OTHER_FLOOR_M = 1.5
 STABLE_STEPS = 3
 LEVEL_M = 0.1  # within this height of a floor one stands on it, not on its stairs
+ON_STAIRS_M = 0.25  # farther from it, one is on its stairs: only what is near is written
 _STABLE_RISE_M = 0.05
 _STABLE_MOVE_M = 0.1
 _FLAT_CELLS = 200  # this much floor seen at the height of the feet: not a tread
@@ -26,6 +28,7 @@ class Floor:
     Args:
         id: 0 for the floor of the start; upper floors count up, lower ones down.
         z_m: height of its surface in the episode frame.
+        reachable: where the body may be, derived from ``seen`` and ``solid``.
         seen, solid, ground: see ``mapping.cells``.
         semantic: per landmark term, the cells where it was sighted.
         bounds: first and last explored cell (i0, j0, i1, j1), ends exclusive; None while nothing is explored.
@@ -34,6 +37,7 @@ class Floor:
 
     id: int
     z_m: float
+    reachable: Reachability
     seen: TiledLayer = field(default_factory=TiledLayer)
     solid: TiledLayer = field(default_factory=TiledLayer)
     ground: TiledLayer = field(default_factory=lambda: TiledLayer(np.int8))
@@ -44,10 +48,13 @@ class Floor:
     @property
     def nbytes(self) -> int:
         """Bytes of all layers."""
-        return sum(layer.nbytes for layer in (self.seen, self.solid, self.ground, *self.semantic.values()))
+        layers = self.seen, self.solid, self.ground, *self.semantic.values()
+        return sum(layer.nbytes for layer in layers) + self.reachable.nbytes
 
-    def include(self, i0: int, j0: int, i1: int, j1: int) -> None:
-        """Widen the bounds."""
+    def changed(self, i0: int, j0: int, i1: int, j1: int) -> None:
+        """Cells of a window have changed."""
+        self.version += 1
+        self.reachable.touch(i0, j0, i1, j1)
         if self.bounds is not None:
             a, b, c, d = self.bounds
             i0, j0, i1, j1 = min(i0, a), min(j0, b), max(i1, c), max(j1, d)
@@ -77,9 +84,13 @@ class FloorTracker:
 
     Within 1.0 m of a known floor's height it is that floor. More than 1.5 m away from the current one for 3 steps at a stable
     height (the agent moved, or sees floor at the height of its feet) it is another.
+
+    Args:
+        radius_cells: of the body, in cells.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, radius_cells: float) -> None:
+        self._radius_cells = radius_cells
         self.floors: dict[int, Floor] = {}
         self.connectors: list[StairConnector] = []
         self.current: Floor | None = None
@@ -109,6 +120,11 @@ class FloorTracker:
             current = self._switch(current, pose, 1 if rise_m > 0 else -1)
         return current
 
+    def open(self, floor_id: int, z_m: float) -> Floor:
+        """A new floor."""
+        floor = self.floors[floor_id] = Floor(floor_id, z_m, Reachability(self._radius_cells))
+        return floor
+
     def start_episode(self) -> None:
         """The next pose begins a new way, anywhere on the known floors or beside them."""
         self.current = self.last = self.left_at = None
@@ -121,7 +137,7 @@ class FloorTracker:
         if floor is None:
             upward = bool(known) and pose.z_m > self.floors[known[-1]].z_m
             floor_id = 0 if not known else known[-1] + 1 if upward else known[0] - 1
-            floor = self.floors[floor_id] = Floor(floor_id, pose.z_m)
+            floor = self.open(floor_id, pose.z_m)
         self.current = floor
         return floor
 
@@ -135,7 +151,7 @@ class FloorTracker:
             floor_id = left.id + direction
             while floor_id in self.floors:
                 floor_id += direction
-            floor = self.floors[floor_id] = Floor(floor_id, pose.z_m)
+            floor = self.open(floor_id, pose.z_m)
         start = self.left_at or pose
         self.connectors.append(StairConnector(left.id, floor.id, start, pose, self.climbed_m))
         self.current, self.stable_steps = floor, 0

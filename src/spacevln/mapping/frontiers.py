@@ -14,18 +14,18 @@ from spacevln.mapping.geodesics import GeodesicField
 MIN_WIDTH_M = 0.3
 
 
-def find_frontiers(field: GeodesicField, seen: NDArray[np.uint8], pose: Pose) -> tuple[Frontier, ...]:
+def find_frontiers(field: GeodesicField, border: NDArray[np.uint8], pose: Pose) -> tuple[Frontier, ...]:
     """Frontiers that the field reaches, nearest first; those narrower than 0.3 m are gaps of the sensor.
 
     Args:
         field: distances from the agent.
-        seen: flags of the field's window.
+        border: 1 at the cells of the field's window beside which the unknown begins.
         pose: live pose, for the bearings.
     """
     if not field.reaches_anything:
         return ()
     resolution_m = field.grid.resolution_m
-    groups = _group(field.cells, seen, MIN_WIDTH_M / resolution_m)
+    groups = _group(field.cells, border, MIN_WIDTH_M / resolution_m)
     points = field.grid.to_xy(groups[:, :2] + 0.5)
     found = [
         Frontier(
@@ -40,14 +40,13 @@ def find_frontiers(field: GeodesicField, seen: NDArray[np.uint8], pose: Pose) ->
 
 
 @numba.njit(cache=True)
-def _group(time: NDArray[np.float32], seen: NDArray[np.uint8], min_cells: float) -> Any:  # pragma: no cover - compiled
-    """Per group of connected frontier cells: i, j and distance of the one reached first, width of the group."""
+def _group(time: NDArray[np.float32], border: NDArray[np.uint8], min_cells: float) -> Any:  # pragma: no cover - compiled
+    """Per group of connected frontier cells: i, j and distance of the one reached first, width of the group; eats ``border``."""
     n_i, n_j = time.shape
-    border = np.zeros((n_i, n_j), np.uint8)
-    for i in range(1, n_i - 1):
-        for j in range(1, n_j - 1):
-            if time[i, j] < np.inf and (seen[i - 1, j] == 0 or seen[i + 1, j] == 0 or seen[i, j - 1] == 0 or seen[i, j + 1] == 0):
-                border[i, j] = 1
+    for i in range(n_i):
+        for j in range(n_j):
+            if border[i, j] != 0 and not time[i, j] < np.inf:
+                border[i, j] = 0
     queue = np.empty((n_i * n_j, 2), np.int32)
     rows = np.empty((n_i * n_j // 8 + 1, 4))
     count = 0

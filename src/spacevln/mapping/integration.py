@@ -11,24 +11,13 @@ from numpy.typing import NDArray
 from spacevln.core import Observation, Pose, Sighting
 from spacevln.mapping import projection, settling
 from spacevln.mapping.cells import DEPTH_TO_M, HEIGHT_BIN_M
-from spacevln.mapping.floors import LEVEL_M, Floor
+from spacevln.mapping.floors import LEVEL_M, ON_STAIRS_M, Floor
 from spacevln.mapping.tiles import TiledLayer
 
-ON_STAIRS_M = 0.25  # farther from the floor's height, only what is near is written
 _STAIRS_REACH_M = 1.0
 _TREADS_REACH_M = 1.5  # the next storey's floor is seen beyond the last tread
 _BLIND_M = 1.2
 _SAME_STRIDE_M = 0.6  # a longer way between two frames is not walked over in a straight line
-
-
-def camera_view(observation: Observation, x_m: float, y_m: float) -> NDArray[np.float64]:
-    """The camera as kernels take it (see ``mapping.projection``), relative to a point and to the height of the feet."""
-    camera, T_world_camera = observation.camera, observation.T_world_camera
-    view = np.empty(16)
-    view[:9] = T_world_camera[:3, :3].ravel()
-    view[9:12] = T_world_camera[:3, 3] - (x_m, y_m, observation.pose.z_m)
-    view[12:] = camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px
-    return view
 
 
 class FrameWriter:
@@ -61,7 +50,7 @@ class FrameWriter:
         i0, j0, rows, columns = self._frustum(observation)
         self._origin = (i0, j0)
         self._depth_m = np.ascontiguousarray(observation.depth_m, np.float32)
-        self._view = camera_view(observation, i0 * self.resolution_m, j0 * self.resolution_m)
+        self._view = projection.camera_view(observation, i0 * self.resolution_m, j0 * self.resolution_m)
         self._heights = self._window("heights", rows, columns, 4).view(np.uint32).reshape(rows, columns)
         self._heights.fill(0)
         projection.scatter_heights(self._depth_m, self._view, self.resolution_m, self._heights)
@@ -142,8 +131,7 @@ class FrameWriter:
         a, b = int(changed[0]), int(changed[-1]) + 1
         floor.seen.write(i0 + a, j0, after[0][a:b])
         floor.solid.write(i0 + a, j0, after[1][a:b])
-        floor.include(i0 + a, j0, i0 + b, j0 + after[0].shape[1])
-        floor.version += 1
+        floor.changed(i0 + a, j0, i0 + b, j0 + after[0].shape[1])
 
     def _stamp(self, pose: Pose, floor: Floor, seen: NDArray[np.uint8], solid: NDArray[np.uint8]) -> None:
         """Free the body's footprint and its way since the last frame."""

@@ -11,22 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spacevln.core import Frontier, Observation, ObstacleDistances, Pose, Sighting, UsageError
-from spacevln.mapping import persistence, sectors, wavefront
-from spacevln.mapping.cells import FREE_EVIDENCE, free_of
+from spacevln.mapping import persistence, sectors
 from spacevln.mapping.crops import MapCrop, crop_floor
+from spacevln.mapping.floor_view import FloorView, points_xy
 from spacevln.mapping.floors import Floor, FloorTracker, StairConnector
-from spacevln.mapping.frontiers import find_frontiers
-from spacevln.mapping.geodesics import FreeGrid, GeodesicField
-from spacevln.mapping.integration import ON_STAIRS_M, FrameWriter, camera_view
+from spacevln.mapping.geodesics import GeodesicField
+from spacevln.mapping.integration import FrameWriter
 from spacevln.mapping.stairways import across_floors_m
-from spacevln.mapping.tiles import TiledLayer
 from spacevln.mapping.traces import Trace
 
 Float = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-_FIELD_REACH_M = 40.0  # geodesics look at most this far around their start
-_FIELDS_KEPT = 32
 
 
 class MetricMap:
@@ -52,13 +47,12 @@ class MetricMap:
             )
         self.resolution_m = resolution_m
         self.agent_radius_m = agent_radius_m
-        self._tracker = FloorTracker()
+        self._tracker = FloorTracker(agent_radius_m / resolution_m)
         self._writer = FrameWriter(resolution_m, agent_radius_m)
         self._trace = Trace()
         self._pending: list[Observation] = []
-        self._grids: dict[int, tuple[int, tuple[int, int, int, int], FreeGrid, NDArray[np.uint8]]] = {}
-        self._fields: dict[tuple[int, int, float, float], GeodesicField] = {}
-        self._nowhere = Floor(0, 0.0)
+        self._views: dict[int, FloorView] = {}
+        self._nowhere = FloorTracker(1.0).open(0, 0.0)  # before the first frame
 
     # -- integrating -------------------------------------------------------------------------------------------------------
 
@@ -187,92 +181,71 @@ class MetricMap:
     def _floor(self) -> Floor:
         return self._tracker.current or self._nowhere
 
-    # -- points ------------------------------------------------------------------------------------------------------------
+    def on_floor(self, floor: int) -> FloorView:
+        """The same questions about any known floor.
+
+        Raises:
+            UsageError: the floor is not known.
+        """
+        return self._view(self._known(floor))
+
+    def _known(self, floor: int) -> Floor:
+        if floor not in self._tracker.floors:
+            raise UsageError(f"Floor {floor} is not on the map: known are {list(self.floors)}.")
+        return self._tracker.floors[floor]
+
+    def _view(self, floor: Floor) -> FloorView:
+        view = self._views.get(floor.id)
+        if view is None:
+            view = self._views[floor.id] = FloorView(floor, self.resolution_m)
+        return view
+
+    @property
+    def _here(self) -> FloorView:
+        return self._view(self._tracker.current) if self._tracker.current else FloorView(self._nowhere, self.resolution_m)
+
+    # -- the current floor (see FloorView) ---------------------------------------------------------------------------------
 
     def is_explored(self, xy_m: ArrayLike) -> Mask:
         """Whether each of the (N, 2) points was seen, shape (N,)."""
-        return np.asarray(self._values(self._floor.seen, xy_m) != 0)
+        return self._here.is_explored(xy_m)
 
     def is_free(self, xy_m: ArrayLike) -> Mask:
         """Whether each of the (N, 2) points is known free floor, shape (N,)."""
-        return np.asarray(free_of(self._values(self._floor.seen, xy_m), self._values(self._floor.solid, xy_m)))
+        return self._here.is_free(xy_m)
 
     def is_obstacle(self, xy_m: ArrayLike) -> Mask:
         """Whether each of the (N, 2) points is a known obstacle (0.15 to 1.30 m over the floor), shape (N,)."""
-        return np.asarray(self._values(self._floor.solid, xy_m) != 0)
-
-    def _values(self, layer: TiledLayer, xy_m: ArrayLike) -> NDArray[np.uint8]:
-        return layer.at(np.floor(points_xy(xy_m) / self.resolution_m).astype(np.int64))
+        return self._here.is_obstacle(xy_m)
 
     def line_of_sight(self, a_xy_m: ArrayLike, b_xy_m: ArrayLike) -> bool:
-        """Whether every cell on the straight line between two points is known free floor."""
-        ends = np.concatenate([points_xy(a_xy_m), points_xy(b_xy_m)]) / self.resolution_m
-        i0, j0 = (math.floor(value) for value in ends.min(axis=0))
-        i1, j1 = (math.floor(value) + 1 for value in ends.max(axis=0))
-        if max(i1 - i0, j1 - j0) * self.resolution_m > _FIELD_REACH_M:
-            return False
-        seen, solid = self._floor.seen.window(i0, j0, i1 - i0, j1 - j0), self._floor.solid.window(i0, j0, i1 - i0, j1 - j0)
-        (a_i, a_j), (b_i, b_j) = ends - (i0, j0)
-        return bool(wavefront.clear_line(free_of(seen, solid).astype(np.uint8), a_i, a_j, b_i, b_j))
-
-    # -- ways --------------------------------------------------------------------------------------------------------------
+        """Whether every cell on the straight line between two points is known free floor; never over more than 40 m."""
+        return self._here.line_of_sight(a_xy_m, b_xy_m)
 
     def geodesic_field(self, xy_m: ArrayLike) -> GeodesicField:
         """Distances from a point to all known free space, inflated by the agent's radius; kept until the map changes.
 
         A start that is not free is moved to the nearest free cell within 0.3 m. A field looks 40 m around its start.
         """
-        return self._field(self._floor, xy_m)
+        return self._here.geodesic_field(xy_m)
 
     def geodesic_m(self, a_xy_m: ArrayLike, b_xy_m: ArrayLike) -> float:
         """Shortest way on known free space inflated by the agent's radius [m]; inf when unknown or cut off."""
-        return float(self.geodesic_field(a_xy_m).at(b_xy_m)[0])
+        return self._here.geodesic_m(a_xy_m, b_xy_m)
 
     def path(self, a_xy_m: ArrayLike, b_xy_m: ArrayLike) -> Float:
         """That way, pulled straight, (N, 2) points with both ends; (0, 2) when there is none."""
-        return self.geodesic_field(a_xy_m).path_to(b_xy_m)
-
-    def cross_floor_m(self, a_xy_m: ArrayLike, a_floor: int, b_xy_m: ArrayLike, b_floor: int) -> float:
-        """Shortest known way between points of two floors over stairs that were walked [m]; inf when there is none."""
-        return across_floors_m(self._tracker, self._field, (a_xy_m, a_floor), (b_xy_m, b_floor))
-
-    def _field(self, floor: Floor, xy_m: ArrayLike) -> GeodesicField:
-        x, y = points_xy(xy_m)[0].tolist()
-        key = (floor.id, floor.version, x, y)
-        field = self._fields.get(key)
-        if field is None:
-            grid, _ = self._grid(floor, x, y)
-            field = grid.field((x, y))
-            while len(self._fields) >= _FIELDS_KEPT:
-                del self._fields[next(iter(self._fields))]
-            self._fields[key] = field
-        return field
-
-    def _grid(self, floor: Floor, x: float, y: float) -> tuple[FreeGrid, NDArray[np.uint8]]:
-        """Free space of the floor, at most 40 m around a point, and the flags of the same window."""
-        bounds = self._field_bounds(floor, x, y)
-        kept = self._grids.get(floor.id)
-        if kept is None or kept[:2] != (floor.version, bounds):
-            i0, j0, i1, j1 = bounds
-            seen = floor.seen.window(i0, j0, i1 - i0, j1 - j0)
-            solid = floor.solid.window(i0, j0, i1 - i0, j1 - j0)
-            grid = wavefront.passable(seen, solid, FREE_EVIDENCE, self.agent_radius_m / self.resolution_m)
-            kept = self._grids[floor.id] = (floor.version, bounds, FreeGrid(i0, j0, self.resolution_m, grid), seen)
-        return kept[2], kept[3]
-
-    def _field_bounds(self, floor: Floor, x: float, y: float) -> tuple[int, int, int, int]:
-        i, j = math.floor(x / self.resolution_m), math.floor(y / self.resolution_m)
-        reach = round(_FIELD_REACH_M / self.resolution_m)
-        i0, j0, i1, j1 = floor.bounds or (i, j, i, j)
-        if i1 - i0 > reach or j1 - j0 > reach:
-            i0, j0, i1, j1 = max(i0, i - reach), max(j0, j - reach), min(i1, i + reach), min(j1, j + reach)
-        i0, j0 = i0 - 2, j0 - 2
-        return i0, j0, max(i1 + 2, i0 + 4), max(j1 + 2, j0 + 4)
+        return self._here.path(a_xy_m, b_xy_m)
 
     def frontiers(self, pose: Pose) -> tuple[Frontier, ...]:
         """Reachable borders of the known free space at least 0.3 m wide, nearest on the way first."""
-        field = self.geodesic_field(pose.xy_m)
-        return find_frontiers(field, self._grid(self._floor, pose.x_m, pose.y_m)[1], pose)
+        return self._here.frontiers(pose)
+
+    def cross_floor_m(self, a_xy_m: ArrayLike, a_floor: int, b_xy_m: ArrayLike, b_floor: int) -> float:
+        """Shortest known way between points of two floors over stairs that were walked [m]; inf when there is none."""
+        return across_floors_m(
+            self._tracker, lambda floor, xy_m: self._view(floor).geodesic_field(xy_m), (a_xy_m, a_floor), (b_xy_m, b_floor)
+        )
 
     # -- obstacle distances ------------------------------------------------------------------------------------------------
 
@@ -295,41 +268,7 @@ class MetricMap:
             observation: image and pose of the moment; need not be integrated.
             bearing_rad: direction, egocentric, left positive.
         """
-        pose, floor, resolution_m = observation.pose, self._floor, self.resolution_m
-        angle = pose.yaw_rad + bearing_rad
-        direction = math.cos(angle), math.sin(angle)
-        view = camera_view(observation, pose.x_m, pose.y_m)
-        depth_m = np.ascontiguousarray(observation.depth_m, np.float32)
-        seen_m = sectors.depth_distance_m(depth_m, view, direction, self.agent_radius_m, self._treads(pose))
-        if abs(pose.z_m - floor.z_m) > ON_STAIRS_M:
-            return float(min(sectors.DEPTH_REACH_M, seen_m))  # what stands on the floor left behind is over or under the agent
-        reach = math.ceil(sectors.MAP_REACH_M / resolution_m) + 1
-        i0, j0 = math.floor(pose.x_m / resolution_m) - reach, math.floor(pose.y_m / resolution_m) - reach
-        map_m = resolution_m * sectors.map_distance_cells(
-            floor.solid.window(i0, j0, 2 * reach, 2 * reach),
-            pose.x_m / resolution_m - i0,
-            pose.y_m / resolution_m - j0,
-            *direction,
-            self.agent_radius_m / resolution_m,
-            self.agent_radius_m / resolution_m,
-            sectors.MAP_REACH_M / resolution_m,
-        )
-        return float(min(sectors.DEPTH_REACH_M, map_m, seen_m))
-
-    def _treads(self, pose: Pose) -> tuple[NDArray[np.uint8], NDArray[np.int8], int, float]:
-        """Windows of flags and tread heights around the agent; empty while the floor knows no stairs."""
-        floor = self._floor
-        if not floor.ground.tiles:
-            return np.zeros((0, 0), np.uint8), np.zeros((0, 0), np.int8), 0, self.resolution_m
-        reach = math.ceil(sectors.DEPTH_REACH_M / self.resolution_m)
-        i0, j0 = math.floor(pose.x_m / self.resolution_m) - reach, math.floor(pose.y_m / self.resolution_m) - reach
-        feet_bins = round((pose.z_m - floor.z_m) / 0.05)
-        return (
-            floor.seen.window(i0, j0, 2 * reach, 2 * reach),
-            floor.ground.window(i0, j0, 2 * reach, 2 * reach),
-            feet_bins,
-            self.resolution_m,
-        )
+        return sectors.body_distance_m(self._floor, observation, bearing_rad, self.agent_radius_m, self.resolution_m)
 
     # -- pictures ----------------------------------------------------------------------------------------------------------
 
@@ -349,24 +288,6 @@ class MetricMap:
         """
         if not 0 < size_m <= 400:
             raise UsageError(f"crop size_m={size_m} is outside (0, 400]: give the side of the square in metres.")
-        if floor is not None and floor not in self._tracker.floors:
-            raise UsageError(f"Floor {floor} is not on the map: known are {list(self.floors)}.")
         x, y = points_xy(center_xy)[0].tolist()
-        shown = self._floor if floor is None else self._tracker.floors[floor]
+        shown = self._floor if floor is None else self._known(floor)
         return crop_floor(shown, self._trace, (x, y), size_m, heading_rad, self.resolution_m)
-
-
-def points_xy(xy_m: ArrayLike) -> Float:
-    """Points as (N, 2) float64.
-
-    Raises:
-        UsageError: the shape is another, or a value is not finite.
-    """
-    points = np.asarray(xy_m, np.float64)
-    if points.ndim == 1 and points.shape == (2,):
-        points = points[None]
-    if points.ndim != 2 or points.shape[1] != 2:
-        raise UsageError(f"Points of shape {points.shape} are not (N, 2): give x and y in metres per row.")
-    if not np.isfinite(points).all():
-        raise UsageError("A point is not finite: give x and y in metres.")
-    return points

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from spacevln.core import Pose, UsageError
-from spacevln.mapping.floors import Floor, FloorTracker, StairConnector
+from spacevln.mapping.floors import FloorTracker, StairConnector
 from spacevln.mapping.tiles import TILE_CELLS, TiledLayer
 from spacevln.mapping.traces import Trace
 
@@ -77,19 +77,17 @@ def unpack(arrays: Arrays) -> MapState:
     """
     header = _header(arrays)
     try:
-        tracker = FloorTracker()
+        tracker = FloorTracker(header["agent_radius_m"] / header["resolution_m"])
         for row in header["floors"]:
-            floor = Floor(
-                row["id"],
-                row["z_m"],
-                _layer(arrays, f"map/{row['id']}/seen", np.uint8),
-                _layer(arrays, f"map/{row['id']}/solid", np.uint8),
-                _layer(arrays, f"map/{row['id']}/ground", np.int8),
-                {term: _layer(arrays, f"map/{row['id']}/semantic/{k}", np.uint8) for k, term in enumerate(row["terms"])},
-                None if row["bounds"] is None else tuple(row["bounds"]),
-                row["version"],
-            )
-            tracker.floors[floor.id] = floor
+            floor = tracker.open(row["id"], row["z_m"])
+            floor.seen = _layer(arrays, f"map/{floor.id}/seen", np.uint8)
+            floor.solid = _layer(arrays, f"map/{floor.id}/solid", np.uint8)
+            floor.ground = _layer(arrays, f"map/{floor.id}/ground", np.int8)
+            for index, term in enumerate(row["terms"]):
+                floor.semantic[term] = _layer(arrays, f"map/{floor.id}/semantic/{index}", np.uint8)
+            floor.bounds = None if row["bounds"] is None else tuple(row["bounds"])
+            floor.version = row["version"]
+            floor.reachable.changed.update(floor.seen.tiles)
         for row in header["connectors"]:
             tracker.connectors.append(StairConnector(**row | {"start": Pose(**row["start"]), "end": Pose(**row["end"])}))
         tracker.current = None if header["current"] is None else tracker.floors[header["current"]]

@@ -16,11 +16,22 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from spacevln.core import Observation
 from spacevln.mapping.cells import DEPTH_FROM_M, DEPTH_TO_M, FLOOR, FLOOR_BINS, HEIGHT_BIN_M, LOWEST_BIN_M, SWEPT, UNDER
 
 _ROWS_ABOVE = 4
 _BLIND_ROWS = 24  # rows over which the lowest visible surface is told upright or lying
 _SEE_THROUGH_M = 0.12  # a ray must end this far behind an obstacle to remove it
+
+
+def camera_view(observation: Observation, x_m: float, y_m: float) -> NDArray[np.float64]:
+    """The camera as kernels take it (see the module), relative to a point and to the height of the feet."""
+    camera, T_world_camera = observation.camera, observation.T_world_camera
+    view = np.empty(16)
+    view[:9] = T_world_camera[:3, :3].ravel()
+    view[9:12] = T_world_camera[:3, 3] - (x_m, y_m, observation.pose.z_m)
+    view[12:] = camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px
+    return view
 
 
 @numba.njit(cache=True)

@@ -13,6 +13,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from spacevln.core import Observation, Pose
 from spacevln.mapping.cells import (
     DEPTH_FROM_M,
     DEPTH_TO_M,
@@ -22,6 +23,8 @@ from spacevln.mapping.cells import (
     OBSTACLE_TO_M,
     STAIR,
 )
+from spacevln.mapping.floors import ON_STAIRS_M, Floor
+from spacevln.mapping.projection import camera_view
 from spacevln.mapping.settling import TREAD_TOP_BIN
 
 MAP_REACH_M = 2.0  # farther, the map is not asked
@@ -36,6 +39,43 @@ _STRIDE_PX = 3
 _BIN_M = 0.025
 _MIN_SAMPLES = 3
 _BINS = 320
+
+
+def body_distance_m(
+    floor: Floor, observation: Observation, bearing_rad: float, agent_radius_m: float, resolution_m: float
+) -> float:
+    """See :meth:`spacevln.mapping.MetricMap.sector_distance_m`."""
+    pose = observation.pose
+    angle = pose.yaw_rad + bearing_rad
+    direction = math.cos(angle), math.sin(angle)
+    view = camera_view(observation, pose.x_m, pose.y_m)
+    depth_m = np.ascontiguousarray(observation.depth_m, np.float32)
+    seen_m = depth_distance_m(depth_m, view, direction, agent_radius_m, _treads(floor, pose, resolution_m))
+    if abs(pose.z_m - floor.z_m) > ON_STAIRS_M:
+        return float(min(DEPTH_REACH_M, seen_m))  # what stands on the floor left behind is over or under the agent
+    reach = math.ceil(MAP_REACH_M / resolution_m) + 1
+    i0, j0 = math.floor(pose.x_m / resolution_m) - reach, math.floor(pose.y_m / resolution_m) - reach
+    map_m = resolution_m * map_distance_cells(
+        floor.solid.window(i0, j0, 2 * reach, 2 * reach),
+        pose.x_m / resolution_m - i0,
+        pose.y_m / resolution_m - j0,
+        *direction,
+        agent_radius_m / resolution_m,
+        agent_radius_m / resolution_m,
+        MAP_REACH_M / resolution_m,
+    )
+    return float(min(DEPTH_REACH_M, map_m, seen_m))
+
+
+def _treads(floor: Floor, pose: Pose, resolution_m: float) -> tuple[NDArray[np.uint8], NDArray[np.int8], int, float]:
+    """Windows of flags and tread heights around the agent; empty while the floor knows no stairs."""
+    if not floor.ground.tiles:
+        return np.zeros((0, 0), np.uint8), np.zeros((0, 0), np.int8), 0, resolution_m
+    reach = math.ceil(DEPTH_REACH_M / resolution_m)
+    i0, j0 = math.floor(pose.x_m / resolution_m) - reach, math.floor(pose.y_m / resolution_m) - reach
+    feet_bins = round((pose.z_m - floor.z_m) / HEIGHT_BIN_M)
+    seen, ground = floor.seen.window(i0, j0, 2 * reach, 2 * reach), floor.ground.window(i0, j0, 2 * reach, 2 * reach)
+    return seen, ground, feet_bins, resolution_m
 
 
 def depth_distance_m(
