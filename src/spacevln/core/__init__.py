@@ -49,6 +49,7 @@ from spacevln.core.errors import (
     UsageError,
 )
 from spacevln.core.events import (
+    CallRetried,
     DecisionMade,
     EpisodeEnded,
     EpisodeStarted,
@@ -57,6 +58,7 @@ from spacevln.core.events import (
     GateAsked,
     LookedAround,
     MapSaved,
+    ModelCalled,
     ReplyRefused,
     StageEnded,
     StepTaken,
@@ -130,6 +132,7 @@ __all__ = [
     "Anchor",
     "AnchorStatus",
     "ArrangedWaypoint",
+    "CallRetried",
     "Camera",
     "ChatModel",
     "ChatReply",
@@ -172,6 +175,7 @@ __all__ = [
     "MapSaved",
     "Mark",
     "Message",
+    "ModelCalled",
     "ModelError",
     "Motion",
     "MoveForward",

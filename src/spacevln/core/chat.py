@@ -107,6 +107,11 @@ class ReplySchema:
     name: str
     schema: Mapping[str, Any]
 
+    @property
+    def text(self) -> str:
+        """The schema as JSON, readable."""
+        return json.dumps(self.schema, ensure_ascii=False, indent=2)
+
 
 @dataclass(frozen=True, slots=True)
 class ChatRequest:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from spacevln.core.actions import Action, Motion, TurnPurpose
+from spacevln.core.chat import ChatReply, ChatRequest, Role
 from spacevln.core.contexts import AdmissibleActions, ExecutorThought, ObstacleDistances, PlannerThought, View
 from spacevln.core.geometry import Pose
 from spacevln.core.sensing import Observation, Sighting
@@ -68,6 +69,44 @@ class ReplyRefused:
     role: str
     kind: str
     reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ModelCalled:
+    """A chat model was asked, with whatever outcome; every call is told, those of refused replies included.
+
+    Args:
+        model: its name.
+        request: what it read.
+        reply: what it wrote; None when no reply came.
+        problem: ``""`` for a usable reply, the class of an unusable one, or ``"failed"`` when none came.
+        detail: reason or message of the problem.
+    """
+
+    model: str
+    request: ChatRequest
+    reply: ChatReply | None
+    problem: str = ""
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CallRetried:
+    """A request to a model failed and is sent again.
+
+    Args:
+        attempt: number of the failed one, from 1.
+        kind: class of the failure, e.g. ``"timeout"``, ``"rate_limit"``.
+        detail: what happened.
+        wait_s: pause before the next attempt.
+    """
+
+    role: Role
+    model: str
+    attempt: int
+    kind: str
+    detail: str
+    wait_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,6 +222,8 @@ Event = (
     | StepTaken
     | LookedAround
     | ReplyRefused
+    | ModelCalled
+    | CallRetried
     | SubtaskIssued
     | WaypointAdded
     | DecisionMade

@@ -12,7 +12,8 @@ from typing import TypeVar
 from pydantic import ValidationError
 
 from spacevln.core import RecordError
-from spacevln.recording.schema import EVENT_LINE, EventLine, Record, ResultFile
+from spacevln.recording.record import Record
+from spacevln.recording.schema import EVENT_LINE, EventLine, ResultFile
 
 R = TypeVar("R", bound=Record)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+from pydantic import Field, TypeAdapter
 
 from spacevln.core import (
     AdmissibleActions,
@@ -27,15 +27,13 @@ from spacevln.core import (
     Subtask,
     TurnPurpose,
 )
+from spacevln.recording.calls import CallRetriedLine, ModelCalledLine
+from spacevln.recording.record import Record
 
-FORMAT: Literal["spacevln-record/1.0"] = "spacevln-record/1.0"
-"""Name and version of the format; the first number changes when an older reader cannot read it."""
-
-
-class Record(BaseModel):
-    """Base of everything in a record."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="strings", arbitrary_types_allowed=False)
+Format = Literal["spacevln-record/1.0", "spacevln-record/1.1"]
+FORMAT: Format = "spacevln-record/1.1"
+"""Name and version of the format. The second number counts additions: this version reads every record of the same first number
+up to its own; the first changes when something that was there changes its meaning."""
 
 
 class EpisodeStartedLine(Record):
@@ -233,6 +231,8 @@ EventLine = Annotated[
     | StepTakenLine
     | LookedAroundLine
     | ReplyRefusedLine
+    | ModelCalledLine
+    | CallRetriedLine
     | SubtaskIssuedLine
     | WaypointAddedLine
     | DecisionMadeLine
@@ -285,7 +285,7 @@ class ResultFile(Record):
     ``timing_s`` and ``restarts`` are the only fields that may differ when an episode is repeated.
     """
 
-    format: Literal["spacevln-record/1.0"] = FORMAT
+    format: Format = FORMAT
     episode_id: str
     scene: str
     task_kind: Literal["vln", "objectnav"]
@@ -296,7 +296,7 @@ class ResultFile(Record):
     detail: str
     metrics: Metrics
     truth: Truth | None
-    tags: dict[str, str | float | int | bool] = {}
+    tags: dict[str, str | float | int | bool] = Field(default={})
     timing_s: float
     restarts: int = 0
 
@@ -304,7 +304,7 @@ class ResultFile(Record):
 class RunFile(Record):
     """``run.json``: what ran."""
 
-    format: Literal["spacevln-record/1.0"] = FORMAT
+    format: Format = FORMAT
     version: str
     suite: str
     created: str

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.core import (
+    CallRetried,
     DecisionMade,
     EgocentricMemory,
     EpisodeEnded,
@@ -23,6 +24,7 @@ from spacevln.core import (
     InstructionTask,
     LookedAround,
     MapSaved,
+    ModelCalled,
     RecordError,
     ReplyRefused,
     StageEnded,
@@ -34,6 +36,8 @@ from spacevln.core import (
     describe,
 )
 from spacevln.recording import schema
+from spacevln.recording.calls import CallRecorder
+from spacevln.recording.record import Record
 
 
 class RecordLevel(StrEnum):
@@ -68,6 +72,8 @@ class EpisodeRecorder:
         self._directory = directory
         self._level = level
         self._begin = time.monotonic()
+        self._calls = CallRecorder(directory, pictures=level is RecordLevel.FULL)
+        self._stage = 0
         self._image_of_rgb: dict[int, str] = {}
         try:
             (directory / "images").mkdir(parents=True, exist_ok=True)
@@ -90,7 +96,7 @@ class EpisodeRecorder:
         """Close the file. May be called twice."""
         self._file.close()
 
-    def _line(self, event: Event) -> schema.Record:
+    def _line(self, event: Event) -> Record:
         t = round(time.monotonic() - self._begin, 3)
         match event:
             case EpisodeStarted(episode=episode):
@@ -108,11 +114,16 @@ class EpisodeRecorder:
             case StepTaken():
                 return self._step(event, t)
             case LookedAround(stage=stage, views=views, memory=memory):
+                self._stage = stage
                 return schema.LookedAroundLine(
                     time_s=t, stage=stage, views=tuple(map(self._view, views)), memory=self._memory(memory, stage)
                 )
             case ReplyRefused(stage=stage, role=role, kind=kind, reason=reason):
                 return schema.ReplyRefusedLine(time_s=t, stage=stage, role=role, kind=kind, reason=reason)
+            case ModelCalled():
+                return self._calls.called(event, self._stage, t)
+            case CallRetried():
+                return self._calls.retried(event, t)
             case SubtaskIssued(stage=stage, subtask=subtask, thought=thought, seconds=seconds, revision=revision):
                 return schema.SubtaskIssuedLine(
                     time_s=t, stage=stage, subtask=subtask, thought=thought, seconds=seconds, revision=revision
