@@ -111,7 +111,6 @@ def test_loading_refuses_what_it_does_not_know() -> None:
     for call in (
         lambda: datasets.load("houses-nln"),
         lambda: datasets.load("houses-vln", colour="red"),
-        lambda: datasets.load("houses-vln", Path("data")),
         lambda: datasets.load("houses-vln", seeds=(4, 4)),
     ):
         with pytest.raises(UsageError):

@@ -25,7 +25,7 @@ def _seed_range(_context: click.Context, _parameter: click.Parameter, value: str
 
 @click.command()
 @click.argument("suite")
-@click.option("--split", type=click.Choice(["test", "dev"]), default="test", show_default=True)
+@click.option("--split", default=None, help="Of the suite; by default test of the houses suites, val_unseen of R2R-CE and so on.")
 @click.option(
     "--seeds",
     callback=_seed_range,
@@ -49,7 +49,7 @@ def _seed_range(_context: click.Context, _parameter: click.Parameter, value: str
 @agent_options
 def bench(
     suite: str,
-    split: str,
+    split: str | None,
     seeds: tuple[int, int] | None,
     episodes: int | None,
     workers: int,
@@ -61,11 +61,16 @@ def bench(
 ) -> int:
     """Run SUITE (houses-vln or houses-objectnav); the same command on the same --out resumes."""
     from spacevln.cli.output import describe_run, prepare
-    from spacevln.evaluation.datasets import Selection
+    from spacevln.core import PrerequisiteError
+    from spacevln.evaluation.datasets import BENCHMARKS, Selection
     from spacevln.evaluation.runner import Job, claim_directory
     from spacevln.evaluation.runner import bench as run_suite
     from spacevln.recording import RecordLevel
 
+    if suite in BENCHMARKS:
+        raise PrerequisiteError(
+            f"Suite {suite!r} needs the Habitat bridge, which this version does not have yet: use houses-vln or houses-objectnav."
+        )
     configuration = configuration_from(options, driver)
     selection = Selection.model_validate({"suite": suite, "split": split, "seeds": seeds, "episodes": episodes, "probe": probe})
     total = len(selection.load())

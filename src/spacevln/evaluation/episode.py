@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.core import Action, EpisodeSpec, InstructionTask, ObjectGoalTask, Pose
+from spacevln.evaluation.truth import Annotations
 
 Points = NDArray[np.float64]
 
@@ -20,6 +21,10 @@ class GroundTruth(Protocol):
     @property
     def goals(self) -> Points:
         """Goal positions (G, 3), for pictures."""
+
+    @property
+    def radius_m(self) -> float:
+        """Success radius in terms of :meth:`distances_m`: 3 m for routes, 0 where targets are themselves places of success."""
 
     @property
     def shortest_path(self) -> Points:
@@ -35,6 +40,9 @@ class GroundTruth(Protocol):
     def reached(self, position: Points) -> bool:
         """Whether STOP at this position (3,) is a success."""
 
+    def viewpoint_m(self, position: Points) -> float | None:
+        """Geodesic distance from a position (3,) to the nearest view point of a goal object (OVON's measure); None for routes."""
+
     def follow(self, pose: Pose) -> Action:
         """The primitive of a shortest-path follower at a pose in the scene frame; STOP at the goal."""
 
@@ -45,13 +53,15 @@ class Episode:
 
     Args:
         spec: all that the environment and the agent get.
-        truth: all that they do not; None for a free instruction or goal.
+        truth: all that they do not; None for a free instruction or goal, and until a simulator has measured ``annotations``.
         tags: difficulty tags, e.g. ``{"floors": 2, "anchors": 4}``.
+        annotations: what a dataset's file says of the truth; None for episodes that the program makes.
     """
 
     spec: EpisodeSpec
     truth: GroundTruth | None = None
     tags: Mapping[str, str | float | int | bool] = field(default_factory=dict)
+    annotations: Annotations | None = None
 
     @property
     def episode_id(self) -> str:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 import itertools
+from collections.abc import Sequence
 from dataclasses import asdict, replace
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +25,11 @@ from spacevln.environments.houses.episodes import (
 )
 from spacevln.environments.houses.follower import ShortestPathFollower
 from spacevln.environments.houses.geodesics import Field
-from spacevln.environments.houses.house import build_house
+from spacevln.environments.houses.house import build_house, parse_scene_name
 from spacevln.environments.houses.motion import Body
+from spacevln.evaluation.datasets.hm3d_ovon import load_hm3d_ovon
+from spacevln.evaluation.datasets.r2r_ce import load_r2r_ce
+from spacevln.evaluation.datasets.sequence import EpisodeSequence
 from spacevln.evaluation.episode import Episode, Points
 from spacevln.evaluation.metrics import VLN_RADIUS_M, success
 
@@ -38,10 +43,12 @@ REFERENCE_STEP_M = 0.25
 class RouteTruth:
     """Truth of a route: STOP strictly within 3 m (geodesic) of the goal."""
 
-    def __init__(self, episode: HouseEpisode, grounds: Grounds) -> None:
-        self.goals = np.array(episode.goals)
-        self.shortest_path = np.array(episode.shortest_path)
-        self.reference_path: Points | None = densify(self.shortest_path, REFERENCE_STEP_M)
+    radius_m = VLN_RADIUS_M
+
+    def __init__(self, grounds: Grounds, goals: Points, shortest_path: Points, reference_path: Points) -> None:
+        self.goals = goals
+        self.shortest_path = shortest_path
+        self.reference_path: Points | None = reference_path
         self._field: Field = grounds.geodesics.distances_from(self.goals)
         self._follower = ShortestPathFollower(Body(grounds.walkable), self._field)
 
@@ -53,6 +60,11 @@ class RouteTruth:
         """Whether STOP here is a success."""
         return success(True, self._field.at(*map(float, position)), VLN_RADIUS_M)
 
+    def viewpoint_m(self, position: Points) -> float | None:
+        """A route has no view points."""
+        del position
+        return None
+
     def follow(self, pose: Pose) -> Action:
         """The shortest-path follower's primitive."""
         return self._follower.action(pose)
@@ -60,6 +72,8 @@ class RouteTruth:
 
 class ObjectGoalTruth:
     """Truth of an object goal: STOP within 1.0 m of an instance's nearest surface with nothing but air between."""
+
+    radius_m = 0.0
 
     def __init__(self, goal: ObjectGoal, start: Pose) -> None:
         self._goal = goal
@@ -77,6 +91,10 @@ class ObjectGoalTruth:
     def reached(self, position: Points) -> bool:
         """Whether STOP here is a success."""
         return self._goal.is_reached(*map(float, position))
+
+    def viewpoint_m(self, position: Points) -> float | None:
+        """Geodesic distance to the nearest sampled place from which STOP succeeds."""
+        return self._goal.field.at(*map(float, position))
 
     def follow(self, pose: Pose) -> Action:
         """The shortest-path follower's primitive; STOP as soon as it would succeed."""
@@ -98,14 +116,46 @@ def house_episode(episode_id: str) -> Episode:
     suite, _, digits = episode_id.rpartition("-")
     if suite not in ("houses-vln", "houses-objectnav") or not digits.isdigit():
         raise UsageError(f"{episode_id!r} is no episode of a houses suite: ids look like 'houses-vln-000017'.")
-    grounds = _grounds(int(digits))
+    grounds = grounds_of(int(digits))
     split = split_of(grounds.house.seed)
     if suite == "houses-vln":
         found = first_route_episode(grounds.house, split)
-        return Episode(replace(found.spec, episode_id=episode_id), RouteTruth(found, grounds), _tags(found))
+        path = np.array(found.shortest_path)
+        truth = RouteTruth(grounds, np.array(found.goals), path, densify(path, REFERENCE_STEP_M))
+        return Episode(replace(found.spec, episode_id=episode_id), truth, tags_of(found))
     found = _first_object_goal(grounds, split)
-    truth = ObjectGoalTruth(ObjectGoal(grounds, found.category or ""), found.spec.start)
-    return Episode(replace(found.spec, episode_id=episode_id), truth, _tags(found))
+    goal = ObjectGoal(grounds, found.category or "")
+    return Episode(replace(found.spec, episode_id=episode_id), ObjectGoalTruth(goal, found.spec.start), tags_of(found))
+
+
+def fresh_episodes(suite: str, seeds: Sequence[int]) -> EpisodeSequence:
+    """One fresh episode of each house seed, made when it is asked for."""
+    scenes = [f"house-{seed:06d}" for seed in seeds]
+    return EpisodeSequence([house_episode_id(suite, seed) for seed in seeds], house_episode, scenes)
+
+
+def stored_episodes(suite: str, path: Path, split: str) -> EpisodeSequence:
+    """A suite from a file that :mod:`.suites` wrote; truth is measured in the house when an episode is asked for.
+
+    Raises:
+        DatasetError: the file is damaged.
+        UsageError: its scenes are not houses.
+    """
+    read = load_r2r_ce(path, split) if suite == "houses-vln" else load_hm3d_ovon(path, split)
+    return read.mapped(_measured)
+
+
+def _measured(stored: Episode) -> Episode:
+    scene = PurePosixPath(stored.scene).stem
+    grounds = grounds_of(parse_scene_name(scene))
+    spec = replace(stored.spec, scene=scene)
+    if stored.goal is not None:
+        return replace(stored, spec=spec, truth=ObjectGoalTruth(ObjectGoal(grounds, stored.goal), spec.start))
+    if stored.annotations is None or stored.annotations.reference_path is None:
+        raise UsageError(f"{stored.episode_id!r} has no goal or no path: keep the suite's _gt file beside it.")
+    known, reference = stored.annotations, stored.annotations.reference_path
+    path = grounds.geodesics.distances_from(known.targets).path(*map(float, spec.start.position_m))
+    return replace(stored, spec=spec, truth=RouteTruth(grounds, known.targets, path, reference))
 
 
 def pick_episode(task: str, seed: int, *, instruction: str | None = None, goal: str | None = None) -> Episode:
@@ -123,7 +173,7 @@ def pick_episode(task: str, seed: int, *, instruction: str | None = None, goal: 
 
 
 def _free_goal(seed: int, category: str) -> Episode:
-    grounds = _grounds(seed)
+    grounds = grounds_of(seed)
     here = reachable_categories(grounds.house)
     if category not in here:
         raise UsageError(f"{grounds.house.name} has no {category} within reach: it has {', '.join(here)}.")
@@ -157,10 +207,12 @@ def densify(path: Points, step_m: float) -> Points:
 
 
 @functools.lru_cache(maxsize=4)
-def _grounds(seed: int) -> Grounds:
+def grounds_of(seed: int) -> Grounds:
+    """The spaces of a house; kept for the last few, as episodes of one house come in a row."""
     return Grounds(build_house(seed))
 
 
-def _tags(episode: HouseEpisode) -> dict[str, str | float | int | bool]:
+def tags_of(episode: HouseEpisode) -> dict[str, str | float | int | bool]:
+    """Difficulty tags as plain values."""
     tags = asdict(episode.tags)
     return {name: " ".join(map(str, value)) if isinstance(value, tuple) else value for name, value in tags.items()}

@@ -17,12 +17,25 @@ VLN_RADIUS_M = 3.0
 """Success radius of the instruction benchmarks (paper, appendix "Metrics")."""
 
 OBJECT_GOAL_RADIUS_M = 1.0
-"""Success radius of object goals (paper, appendix "Metrics")."""
+"""Success radius of object goals (paper, appendix "Metrics"): to the goal object in the houses suites."""
+
+VIEWPOINT_RADIUS_M = 0.25
+"""Success radius of HM3D-OVON's own evaluation: geodesic, to the nearest view point of a goal object."""
 
 
 def success(stopped: bool, distance_m: float, radius_m: float = VLN_RADIUS_M) -> bool:
     """SR of one episode: STOP was called and the distance is *strictly* below the radius; NaN and inf are failures."""
     return bool(stopped and distance_m < radius_m)
+
+
+def success_without_stop(distance_m: float, radius_m: float = VLN_RADIUS_M) -> bool:
+    """The rule of CA-Nav, Open-Nav and ETPNav, printed beside SR: the end lies within the radius, STOP or not."""
+    return bool(distance_m <= radius_m)
+
+
+def oracle_error_m(distances_m: ArrayLike) -> float:
+    """Least distance to the nearest target at any time, the reset included; inf for no positions."""
+    return float(np.min(np.asarray(distances_m, dtype=float), initial=math.inf))
 
 
 def oracle_success(distances_m: ArrayLike, radius_m: float = VLN_RADIUS_M) -> bool:

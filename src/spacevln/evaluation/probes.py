@@ -7,13 +7,19 @@ from dataclasses import replace
 from spacevln.core import InstructionTask, UsageError
 from spacevln.environments.houses.episodes import NoEpisodeError, route_episode
 from spacevln.environments.houses.house import build_house, parse_scene_name
-from spacevln.evaluation.datasets import Probe
+from spacevln.evaluation.datasets.selection import Probe
+from spacevln.evaluation.datasets.sequence import EpisodeSequence
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.houses import split_of
 from spacevln.language import parse
 
 OTHER_SEEDS = range(100, 112)
 """Episode seeds of the other instructions; the suites' own episodes use 0 to 11."""
+
+
+def probed(episodes: EpisodeSequence, kind: Probe) -> EpisodeSequence:
+    """The same episodes with the instructions of a probe."""
+    return episodes if kind == "none" else episodes.mapped(lambda episode: probe(episode, kind))
 
 
 def probe(episode: Episode, kind: Probe) -> Episode:
