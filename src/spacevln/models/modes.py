@@ -31,16 +31,18 @@ class ModeMemory:
 
     def __init__(self, path: Path | None = None) -> None:
         self._path = path or memory_path()
+        self._here: dict[str, str] = {}  # of this process, should the file not be writable
 
     def recall(self, url: str, model: str) -> ReplyMode | None:
         """The mode that worked before; None when the server is new."""
         try:
-            return ReplyMode(self._load()[f"{url} {model}"])
+            return ReplyMode((self._load() | self._here)[f"{url} {model}"])
         except (KeyError, ValueError):
             return None
 
     def remember(self, url: str, model: str, mode: ReplyMode) -> None:
         """Keep it for the next process. A folder that cannot be written only means that it is found out again."""
+        self._here[f"{url} {model}"] = mode.value
         known = self._load()
         if known.get(f"{url} {model}") == mode.value:
             return
