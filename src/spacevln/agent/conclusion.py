@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from spacevln.agent.body import Body, Phase
 from spacevln.agent.world import World
 from spacevln.core import EpisodeEnded, EpisodeStatus, Event, MapSaved, Pose, StopReason, Subtask
+from spacevln.mapping import MetricMap
 from spacevln.memory import SpatialCognitiveMemory
 
 
@@ -29,6 +30,7 @@ class EpisodeResult:
         stopped: the environment's STOP was issued.
         subtasks: the stage sequence sigma_0, sigma_1, ...
         memory: the final Spatial Cognitive Memory.
+        metric_map: the final map that it stands on.
         pose: the last pose, episode frame.
         steps, lookaround_steps, align_steps: environment steps, of which in look-arounds and alignments.
         collisions: primitives that something shortened or deflected.
@@ -40,6 +42,7 @@ class EpisodeResult:
     stopped: bool
     subtasks: tuple[Subtask, ...]
     memory: SpatialCognitiveMemory
+    metric_map: MetricMap
     pose: Pose
     steps: int
     lookaround_steps: int
@@ -79,6 +82,7 @@ def conclude(
         stopped=body.stopped,
         subtasks=subtasks,
         memory=world.memory,
+        metric_map=world.map,
         pose=body.pose,
         steps=body.budget.taken,
         lookaround_steps=body.steps[Phase.LOOKAROUND],

@@ -20,6 +20,7 @@ from spacevln.core.contexts import PlannerContext
 from spacevln.core.events import Event, LookedAround, StageEnded, WaypointAdded
 from spacevln.core.interfaces import Detector, Environment, EventSink, Executor, Planner
 from spacevln.core.stages import Feedback, Subtask
+from spacevln.memory import BuildingMemory
 
 
 class NavigationAgent:
@@ -47,14 +48,18 @@ class NavigationAgent:
         self._settings = settings or AgentSettings()
         self._sinks, self._clock = tuple(sinks), clock
 
-    def run(self, episode: EpisodeSpec) -> EpisodeResult:
+    def run(self, episode: EpisodeSpec, known: BuildingMemory | None = None) -> EpisodeResult:
         """Navigate one episode; it ends with exactly one typed status.
+
+        Args:
+            episode: what to do, and where.
+            known: memory of earlier episodes in this building, in whose frame the environment gives its poses; it grows.
 
         Raises:
             UsageError: the environment does not know the scene.
         """
         begin, subtasks = self._clock(), list[Subtask]()
-        world = World(self._detector, self._settings.components)  # 1: M_0
+        world = World(self._detector, self._settings.components, known)  # 1: M_0
         budget = StepBudget(self._settings.step_limit or default_step_limit(episode.task))
         body = Body(self._environment, world, budget, self._emit)
         try:

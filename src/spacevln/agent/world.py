@@ -24,7 +24,7 @@ from spacevln.core import (
 )
 from spacevln.language import norm
 from spacevln.mapping import MetricMap
-from spacevln.memory import LocalLandmarkMemory, SpatialCognitiveMemory
+from spacevln.memory import BuildingMemory, HierarchicalSpatialMemory, LocalLandmarkMemory, SpatialCognitiveMemory
 from spacevln.perception import lift
 
 
@@ -34,13 +34,16 @@ class World:
     Args:
         detector: grounds phrases.
         components: what is switched off is never built.
+        known: the memory of earlier episodes in this building, grown in place; the agent's poses are in its frame.
     """
 
-    def __init__(self, detector: Detector, components: Components) -> None:
+    def __init__(self, detector: Detector, components: Components, known: BuildingMemory | None = None) -> None:
         self._detector = detector
         self._components = components
-        self.map = MetricMap()
-        self.memory = SpatialCognitiveMemory()  # M_0 = {W_0, L_0}, W_0 = {G_0, P_0}
+        building = known or BuildingMemory(MetricMap(), HierarchicalSpatialMemory())
+        building.start_episode()
+        self.map = building.metric_map
+        self.memory = SpatialCognitiveMemory(building.hierarchical)  # M_0 = {W_0, L_0}, W_0 = {G_0, P_0}
         self.stage_terms: tuple[str, ...] = ()  # Norm(ell_k) of the last stage
 
     @property

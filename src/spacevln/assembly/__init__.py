@@ -5,14 +5,18 @@ from spacevln.assembly.configuration import (
     ComponentSettings,
     Configuration,
     HousesSettings,
+    KnownBuilding,
     LabelDetectorSettings,
 )
+from spacevln.assembly.registration import RegisteredEnvironment
 
 __all__ = [
     "ComponentSettings",
     "Configuration",
     "HousesSettings",
+    "KnownBuilding",
     "LabelDetectorSettings",
+    "RegisteredEnvironment",
     "build_agent",
     "build_environment",
 ]

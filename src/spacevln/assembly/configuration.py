@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveInt
+
+from spacevln.core import UsageError
+from spacevln.memory import SavedMemory, load_memory
 
 
 class _Settings(BaseModel):
@@ -50,6 +54,47 @@ class ComponentSettings(_Settings):
     stagewise: bool = True
 
 
+class KnownBuilding(_Settings):
+    """The memory of earlier episodes in the building, told beside every result that used it: such a run is not zero-shot.
+
+    Args:
+        path: of the file that an episode's record left, ``memory.npz``.
+        digest: first 16 hex digits of its SHA-256; what was loaded is this very file.
+    """
+
+    path: str
+    digest: str
+
+    @classmethod
+    def of(cls, path: Path) -> KnownBuilding:
+        """The setting for a file.
+
+        Raises:
+            UsageError: it cannot be read.
+        """
+        return cls(path=str(path), digest=_digest(path))
+
+    def load(self) -> SavedMemory:
+        """The memory itself, anew at every call: an episode grows it in place.
+
+        Raises:
+            UsageError: the file is missing, damaged, of another version, or not the one that was set.
+        """
+        path = Path(self.path)
+        if (found := _digest(path)) != self.digest:
+            raise UsageError(f"The memory {self.path!r} has changed: its digest was {self.digest} and is {found}; set it anew.")
+        return load_memory(path)
+
+
+def _digest(path: Path) -> str:
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    except OSError as error:
+        raise UsageError(
+            f"The memory {str(path)!r} cannot be read ({error.strerror}): give the memory.npz of an episode's record."
+        ) from error
+
+
 class Configuration(_Settings):
     """Configuration of a run.
 
@@ -59,6 +104,7 @@ class Configuration(_Settings):
         detector: what grounds landmarks.
         components: which parts of the agent are on.
         planner, executor: who reasons.
+        memory: what is known of the building beforehand; None, as in every benchmark, for nothing.
         step_budget: environment steps per episode, STOP included; None takes the task's (260 instructions, 280 object goals).
     """
 
@@ -68,6 +114,7 @@ class Configuration(_Settings):
     components: ComponentSettings = ComponentSettings()
     planner: Literal["rules"] = "rules"
     executor: Literal["rules"] = "rules"
+    memory: KnownBuilding | None = None
     step_budget: PositiveInt | None = None
 
     @property

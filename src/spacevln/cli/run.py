@@ -22,13 +22,22 @@ MAX_INSTRUCTION_CHARS = 4000
 @click.option("--seed", type=click.IntRange(0, 999_999), default=9, show_default=True, help="Which house.")
 @click.option("--instruction", default=None, help="Your own route instruction; it has no truth, so its metrics are null.")
 @click.option("--goal", default=None, help="Your own goal object, e.g. 'teapot' (with --task objectnav).")
+@click.option(
+    "--memory",
+    type=click.Path(path_type=Path, dir_okay=False),
+    default=None,
+    help="Begin with the memory.npz that an episode in this house left; the result says so.",
+)
 @agent_options
-def run(task: str, seed: int, instruction: str | None, goal: str | None, out: Path | None, **options: Any) -> int:
+def run(
+    task: str, seed: int, instruction: str | None, goal: str | None, memory: Path | None, out: Path | None, **options: Any
+) -> int:
     """Run one episode and show what happens.
 
     Ends with one line of truth, the record's path, and a picture from above.
     """
     _check(task, instruction, goal)
+    from spacevln.assembly import KnownBuilding
     from spacevln.cli.output import describe_run, prepare
     from spacevln.cli.progress import EpisodeProgress
     from spacevln.evaluation.attempt import Session
@@ -38,6 +47,8 @@ def run(task: str, seed: int, instruction: str | None, goal: str | None, out: Pa
     from spacevln.recording import episode_directory, write_file
 
     configuration = configuration_from(options)
+    if memory is not None:
+        configuration = configuration.model_copy(update={"memory": KnownBuilding.of(memory)})
     directory = prepare(out)
     claim_directory(directory, describe_run(f"run {task} {seed} {instruction or goal or ''}".strip(), configuration))
     with EpisodeProgress() as progress:
@@ -81,6 +92,8 @@ def outcome_line(result: ResultFile) -> str:
         parts += [distance, "success" if metrics.SR else "no success", f"SPL {metrics.SPL:.2f}"]
     else:
         parts.append("no truth, so no success is claimed")
+    if result.loaded_memory is not None:
+        parts.append(f"began with the memory {result.loaded_memory}")
     parts += [f"{metrics.steps} steps", f"{metrics.stages} stages", f"{result.timing_s:.1f} s"]
     if result.detail and result.status != "stopped":
         parts.append(result.detail)

@@ -8,13 +8,18 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from types import TracebackType
 
-from spacevln.assembly import Configuration, build_agent, build_environment
+from spacevln.agent import EpisodeResult
+from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_environment
 from spacevln.core import EventSink, RecordError, UsageError
 from spacevln.evaluation.baselines import ForwardWalker, OracleWalker, RandomWalker, walk
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.score import environment_failure, score
+from spacevln.memory import BuildingMemory, SavedMemory, save_memory
 from spacevln.recording import EpisodeRecorder, RecordLevel, ResultFile, write_file
 from spacevln.viewer import draw_topdown
+
+MEMORY_FILE = "memory.npz"
+"""The final memory in an episode's record."""
 
 
 class Session(AbstractContextManager["Session"]):
@@ -50,11 +55,15 @@ class Session(AbstractContextManager["Session"]):
 
         Raises:
             RecordError: the record cannot be written; the run stops and can be resumed.
+            UsageError: the memory to begin with is of another building, or cannot be read.
         """
+        known = self._known(episode)
         recorder = EpisodeRecorder(directory, level)
         try:
-            self._drive(episode, (recorder, *sinks))
+            left = self._drive(episode, known, (recorder, *sinks))
             result = score(episode, directory, restarts=restarts)
+            if left is not None:
+                result = result.model_copy(update=self._keep(left, episode, known, directory))
         except RecordError:
             raise
         except Exception as error:  # noqa: BLE001 - the episode boundary: a bug must not take the other episodes along
@@ -67,11 +76,34 @@ class Session(AbstractContextManager["Session"]):
             draw_topdown(directory)
         return result
 
-    def _drive(self, episode: Episode, sinks: Sequence[EventSink]) -> None:
-        """Run the agent, which gets the ``spec`` and nothing else, or a baseline."""
+    def _known(self, episode: Episode) -> SavedMemory | None:
+        """The memory of earlier episodes in this building, where the configuration names one."""
+        setting = self._configuration.memory
+        known = None if setting is None else setting.load()
+        if known is not None and known.scene != episode.scene:
+            raise UsageError(
+                f"The memory is of {known.scene}, the episode is in {episode.scene}: give a memory of that building."
+            )
+        return known
+
+    def _keep(self, left: EpisodeResult, episode: Episode, known: SavedMemory | None, directory: Path) -> dict[str, str | None]:
+        """Save the final memory beside the record; what the result says of it."""
+        T_scene_episode = episode.start if known is None else known.T_scene_episode
+        building = BuildingMemory(left.metric_map, left.memory.hierarchical)
+        try:
+            save_memory(directory / MEMORY_FILE, SavedMemory(episode.scene, T_scene_episode, building))
+        except OSError as error:
+            raise RecordError(f"Cannot write {MEMORY_FILE} in {str(directory)!r} ({error.strerror}): free space.") from error
+        setting = self._configuration.memory
+        return {"memory": MEMORY_FILE, "loaded_memory": None if setting is None else setting.digest}
+
+    def _drive(self, episode: Episode, known: SavedMemory | None, sinks: Sequence[EventSink]) -> EpisodeResult | None:
+        """Run the agent, which gets the ``spec`` and nothing else, or a baseline, which leaves nothing."""
         match self._configuration.driver:
             case "agent":
-                build_agent(self._configuration, self._environment, sinks).run(episode.spec)
+                environment = self._environment if known is None else RegisteredEnvironment(self._environment, known)
+                building = None if known is None else known.building
+                return build_agent(self._configuration, environment, sinks).run(episode.spec, building)
             case "random":
                 walk(RandomWalker(episode.episode_id.encode()), episode, self._environment, sinks)
             case "forward":
@@ -80,3 +112,4 @@ class Session(AbstractContextManager["Session"]):
                 if episode.truth is None:
                     raise UsageError(f"{episode.episode_id!r} has no truth that an oracle could follow: use a suite's episode.")
                 walk(OracleWalker(episode.truth), episode, self._environment, sinks)
+        return None

@@ -11,7 +11,7 @@ from spacevln.core import EpisodeStatus, StopReason
 from spacevln.evaluation import metrics
 from spacevln.evaluation.episode import Episode, GroundTruth, Points
 from spacevln.recording import Metrics, ResultFile, Truth, read_events, task_fields
-from spacevln.recording.schema import EpisodeEndedLine, FallbackUsedLine, ReplyRefusedLine, StepTakenLine
+from spacevln.recording.schema import EpisodeEndedLine, EpisodeStartedLine, FallbackUsedLine, ReplyRefusedLine, StepTakenLine
 
 
 def score(episode: Episode, directory: Path, *, restarts: int = 0) -> ResultFile:
@@ -28,13 +28,15 @@ def score(episode: Episode, directory: Path, *, restarts: int = 0) -> ResultFile
     Raises:
         RecordError: the record is damaged.
     """
-    walked = [episode.start]
+    walked, origin = [episode.start], episode.start
     rejections = fallbacks = 0
     end: EpisodeEndedLine | None = None
     for line in read_events(directory):
         match line:
+            case EpisodeStartedLine():
+                origin = line.T_scene_episode
             case StepTakenLine(pose=pose):
-                walked.append(episode.start.compose(pose))
+                walked.append(origin.compose(pose))
             case ReplyRefusedLine():
                 rejections += 1
             case FallbackUsedLine():

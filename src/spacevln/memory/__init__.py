@@ -5,12 +5,13 @@ from spacevln.memory.graph import Edge, EdgeKind, WaypointGraph
 from spacevln.memory.hierarchical import HierarchicalSpatialMemory
 from spacevln.memory.landmarks import LocalLandmarkMemory, summarise
 from spacevln.memory.metric import MemoryMap
-from spacevln.memory.persistence import SavedMemory, load_memory, save_memory
+from spacevln.memory.persistence import BuildingMemory, SavedMemory, load_memory, save_memory
 from spacevln.memory.regions import Region
 from spacevln.memory.spatial_cognitive import SpatialCognitiveMemory
 
 __all__ = [
     "ARRIVAL_RADIUS_M",
+    "BuildingMemory",
     "Edge",
     "EdgeKind",
     "HierarchicalSpatialMemory",

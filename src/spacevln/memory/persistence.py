@@ -32,25 +32,16 @@ Arrays = Mapping[str, NDArray[Any]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SavedMemory:
-    """What an episode leaves for the next one in the same building.
+class BuildingMemory:
+    """What is known of a building, in a frame of its own: all that an agent gets of earlier episodes.
 
     Args:
-        scene: name of the building.
-        T_scene_episode: where the origin of the memory's frame lies in the scene: the start pose of the episode that began
-            the memory. It registers the start of a later episode; the agent itself never reads it.
         metric_map: every floor.
         hierarchical: waypoints, graph, regions, chains.
     """
 
-    scene: str
-    T_scene_episode: Pose
     metric_map: MetricMap
     hierarchical: HierarchicalSpatialMemory
-
-    def start_of(self, start: Pose) -> Pose:
-        """A scene pose, e.g. the start of the next episode, in the memory's frame."""
-        return start.relative_to(self.T_scene_episode)
 
     def start_episode(self) -> None:
         """Begin a new way in what is known; what earlier episodes walked stays waypoints and is no chain of this one."""
@@ -58,9 +49,29 @@ class SavedMemory:
         self.hierarchical.start_episode()
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class SavedMemory:
+    """What an episode leaves for the next one in the same building.
+
+    Args:
+        scene: name of the building.
+        T_scene_episode: where the origin of the memory's frame lies in the scene: the start pose of the episode that began
+            the memory. It registers the start of a later episode; the agent never gets it.
+        building: what is known.
+    """
+
+    scene: str
+    T_scene_episode: Pose
+    building: BuildingMemory
+
+    def start_of(self, start: Pose) -> Pose:
+        """A scene pose, e.g. the start of the next episode, in the memory's frame."""
+        return start.relative_to(self.T_scene_episode)
+
+
 def save_memory(path: str | Path, memory: SavedMemory) -> None:
     """Write a memory; a file that was there is replaced whole or not at all."""
-    write({**memory.metric_map.to_arrays(), **_to_arrays(memory)}, Path(path))
+    write({**memory.building.metric_map.to_arrays(), **_to_arrays(memory)}, Path(path))
 
 
 def load_memory(path: str | Path) -> SavedMemory:
@@ -82,7 +93,8 @@ def load_memory(path: str | Path) -> SavedMemory:
         raise UsageError(f"{path} is no {FORMAT}: {place}: {first['msg']}; explore the building anew.") from error
     except (KeyError, IndexError, ValueError) as error:
         raise UsageError(f"{path} is damaged ({error!r}): give the memory.npz of another episode.") from error
-    return SavedMemory(header.scene, header.T_scene_episode, MetricMap.from_arrays(arrays), hierarchical)
+    building = BuildingMemory(MetricMap.from_arrays(arrays), hierarchical)
+    return SavedMemory(header.scene, header.T_scene_episode, building)
 
 
 class _Header(BaseModel):
@@ -102,7 +114,7 @@ class _Header(BaseModel):
 
 
 def _to_arrays(memory: SavedMemory) -> dict[str, NDArray[Any]]:
-    hierarchical = memory.hierarchical
+    hierarchical = memory.building.hierarchical
     graph, regions = hierarchical.graph, hierarchical.regions.state
     header = _Header(
         format=FORMAT,

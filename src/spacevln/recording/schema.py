@@ -37,15 +37,25 @@ up to its own; the first changes when something that was there changes its meani
 
 
 class EpisodeStartedLine(Record):
-    """The environment was reset. ``start`` is in the scene frame, every other pose in the episode frame."""
+    """The environment was reset. ``start`` is in the scene frame, every other pose in the episode frame.
+
+    ``origin`` is the origin of the episode frame in the scene; None says that it is ``start``, as it is unless the memory of
+    an earlier episode was loaded.
+    """
 
     event: Literal["episode_started"] = "episode_started"
     time_s: float
     episode_id: str
     scene: str
     start: Pose
+    origin: Pose | None = None
     task_kind: Literal["vln", "objectnav"]
     task_text: str
+
+    @property
+    def T_scene_episode(self) -> Pose:
+        """The origin of every other pose of the record, in the scene frame."""
+        return self.origin or self.start
 
 
 class StepTakenLine(Record):
@@ -282,7 +292,8 @@ class Truth(Record):
 class ResultFile(Record):
     """``result.json``: written once, atomically; the first result of an episode stands.
 
-    ``timing_s`` and ``restarts`` are the only fields that may differ when an episode is repeated.
+    ``timing_s`` and ``restarts`` are the only fields that may differ when an episode is repeated. ``memory`` names the file of
+    the final memory beside it; ``loaded_memory`` is the digest of the one that the episode began with, null for none.
     """
 
     format: Format = FORMAT
@@ -297,6 +308,8 @@ class ResultFile(Record):
     metrics: Metrics
     truth: Truth | None
     tags: dict[str, str | float | int | bool] = Field(default={})
+    memory: str | None = None
+    loaded_memory: str | None = None
     timing_s: float
     restarts: int = 0
 

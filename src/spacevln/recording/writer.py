@@ -25,6 +25,7 @@ from spacevln.core import (
     LookedAround,
     MapSaved,
     ModelCalled,
+    Pose,
     RecordError,
     ReplyRefused,
     StageEnded,
@@ -49,6 +50,7 @@ class RecordLevel(StrEnum):
 
 LIGHT_WIDTH_PX = 320
 JPEG_QUALITY = {RecordLevel.FULL: 90, RecordLevel.LIGHT: 70}
+_ORIGIN = Pose(0.0, 0.0)
 PNG_COMPRESSION = 1  # depth and maps are written while the agent waits; size matters less than time
 
 
@@ -99,7 +101,7 @@ class EpisodeRecorder:
     def _line(self, event: Event) -> Record:
         t = round(time.monotonic() - self._begin, 3)
         match event:
-            case EpisodeStarted(episode=episode):
+            case EpisodeStarted(episode=episode, pose=pose):
                 kind, text = task_fields(episode.task)
                 return schema.EpisodeStartedLine.model_validate(
                     {
@@ -107,6 +109,7 @@ class EpisodeRecorder:
                         "episode_id": episode.episode_id,
                         "scene": episode.scene,
                         "start": episode.start,
+                        "origin": None if pose == _ORIGIN else episode.start.compose(_ORIGIN.relative_to(pose)),
                         "task_kind": kind,
                         "task_text": text,
                     }

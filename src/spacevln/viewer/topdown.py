@@ -74,14 +74,15 @@ def draw_topdown(directory: Path) -> Path:
 
 def _read(directory: Path) -> _Story:
     floors: tuple[FloorMapLine, ...] = ()
-    walked: list[tuple[float, float, float]] = [(0.0, 0.0, 0.0)]
-    start, task = Pose(0, 0), ""
+    walked: list[Pose] = []
+    origin, task = Pose(0, 0), ""
     for line in read_events(directory):
         match line:
             case EpisodeStartedLine():
-                start, task = line.start, line.task_text
+                origin, task = line.T_scene_episode, line.task_text
+                walked.append(line.start.relative_to(origin))
             case StepTakenLine(pose=pose):
-                walked.append((pose.x_m, pose.y_m, pose.z_m))
+                walked.append(pose)
             case MapSavedLine():
                 floors = line.floors
             case _:
@@ -90,14 +91,14 @@ def _read(directory: Path) -> _Story:
         raise RecordError(f"{str(directory)!r} holds no final map: the episode did not end, so there is nothing to draw.")
     result = read_result(directory)
     truth = result.truth if result else None
-    shortest = _to_episode(np.array(truth.shortest_path if truth else []).reshape(-1, 3), start)
-    goals = _to_episode(np.array(truth.goals if truth else []).reshape(-1, 3), start)
-    return _Story(floors, np.array(walked), shortest, goals, result, task)
+    shortest = _to_episode(np.array(truth.shortest_path if truth else []).reshape(-1, 3), origin)
+    goals = _to_episode(np.array(truth.goals if truth else []).reshape(-1, 3), origin)
+    return _Story(floors, np.array([pose.position_m for pose in walked]), shortest, goals, result, task)
 
 
-def _to_episode(points: NDArray[np.float64], start: Pose) -> NDArray[np.float64]:
-    c, s = math.cos(start.yaw_rad), math.sin(start.yaw_rad)
-    moved = points - start.position_m
+def _to_episode(points: NDArray[np.float64], origin: Pose) -> NDArray[np.float64]:
+    c, s = math.cos(origin.yaw_rad), math.sin(origin.yaw_rad)
+    moved = points - origin.position_m
     return np.column_stack([c * moved[:, 0] + s * moved[:, 1], -s * moved[:, 0] + c * moved[:, 1], moved[:, 2]])
 
 
