@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from spacevln.core import UsageError
+from spacevln.control import StepBudget
+from spacevln.core import Camera, Pose, UsageError
 from spacevln.evaluation import metrics
 
 REFERENCE = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]])
@@ -48,8 +49,33 @@ def test_a_start_on_the_target() -> None:
     assert metrics.spl(True, 0.0, 1.0) == 0.0
 
 
+@pytest.mark.parametrize(
+    ("distance", "path", "expected"), [(3.0, 12.5, (True, 0.8)), (1.0, 12.0, (True, 0.8333)), (3.01, 12.0, (False, 0.0))]
+)
+def test_the_rule_without_stop_is_inclusive(distance: float, path: float, expected: tuple[bool, float]) -> None:
+    """Worked examples 2 and 3 under CA-Nav's rule."""
+    near = metrics.success_without_stop(distance, 3.0)
+    assert (near, metrics.spl(near, 10.0, path)) == (expected[0], pytest.approx(expected[1], abs=1e-4))
+
+
+def test_the_oracle_error_is_the_least_distance() -> None:
+    assert metrics.oracle_error_m([9, 2.9, 5]) == 2.9
+    assert metrics.oracle_error_m([9, math.inf, 5]) == 5
+    assert metrics.oracle_error_m([]) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("distance", "radius", "expected"),
+    [(0.24, 0.25, True), (0.25, 0.25, False), (0.24, 1.0, True), (0.25, 1.0, True), (0.25, 0.5, True), (0.24, 0.1, False)],
+)
+def test_object_goals_at_several_radii(distance: float, radius: float, expected: bool) -> None:
+    """Worked example 19."""
+    assert metrics.success(True, distance, radius) is expected
+
+
 def test_mean_of_three_episodes() -> None:
     assert np.mean([0.8, 0, 1.0]) * 100 == pytest.approx(60.0)
+    assert np.mean([1, 0, 1]) * 100 == pytest.approx(66.7, abs=0.05)
 
 
 @pytest.mark.parametrize(("final", "path", "expected"), [(4, 8, 0.6), (4, 20, 0.3), (12, 8, 0.0)])
@@ -80,6 +106,33 @@ def test_ndtw(path: np.ndarray, expected: float) -> None:
     assert metrics.ndtw(path, REFERENCE, 3.0) == pytest.approx(expected, abs=5e-5)
     assert metrics.sdtw(False, path, REFERENCE, 3.0) == 0.0
     assert metrics.sdtw(True, path, REFERENCE, 3.0) == metrics.ndtw(path, REFERENCE, 3.0)
+
+
+@pytest.mark.parametrize(("actions", "accepted"), [("FFFFS", True), ("FFFFF", False)])
+def test_stop_must_be_within_the_budget(actions: str, accepted: bool) -> None:
+    """Worked example 11: with N = 5, STOP as the fifth step counts; five forwards leave no step for it."""
+    budget = StepBudget(5)
+    for _ in actions.rstrip("S"):
+        budget.spend()
+    assert (budget.left > 0) is accepted
+    assert budget.can_move is False  # the last step is held for STOP
+
+
+def test_the_camera_of_the_paper() -> None:
+    """Worked example 23: 640 x 480 at 79 degrees."""
+    camera = Camera(width_px=640, height_px=480, hfov_deg=79, height_m=0.88)
+    assert (camera.fx_px, camera.fy_px) == pytest.approx((388.19, 388.19), abs=0.005)
+    assert (camera.cx_px, camera.cy_px) == (320, 240)
+    vertical = 2 * math.degrees(math.atan(240 / camera.fy_px))
+    assert vertical == pytest.approx(63.45, abs=0.005)
+
+
+def test_a_look_around_returns_to_its_heading() -> None:
+    """Worked example 24: twelve turns of 30 degrees."""
+    pose = Pose(1.0, 2.0, 0.0, 0.7)
+    for _ in range(12):
+        pose = pose.turned(math.radians(30))
+    assert math.cos(pose.yaw_rad - 0.7) == pytest.approx(1.0, abs=1e-6)
 
 
 WHOLE = st.integers(-50, 50).map(float)  # exact sums, so that equal positions stay equal
