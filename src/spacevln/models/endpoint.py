@@ -103,7 +103,7 @@ class Endpoint:
         except openai.APITimeoutError as error:
             raise self._failed("timeout", f"no reply within {timeout_s:.0f} s", retryable=True) from error
         except openai.APIStatusError as error:
-            raise self._refused(error) from error
+            raise self._refused(error) from None  # its text is the server's and may repeat the key
         except openai.APIConnectionError as error:
             raise self._failed("connection", f"no connection ({_root(error)})", retryable=True) from error
         except httpx2.TimeoutException as error:
@@ -125,7 +125,7 @@ class Endpoint:
         except openai.APITimeoutError as error:
             raise self._failed("timeout", f"no reply within {timeout_s:.0f} s", retryable=True) from error
         except openai.APIStatusError as error:
-            raise self._refused(error) from error
+            raise self._refused(error) from None  # its text is the server's and may repeat the key
         except openai.APIConnectionError as error:
             raise self._failed("connection", f"no connection ({_root(error)})", retryable=True) from error
         except (openai.OpenAIError, ValueError) as error:

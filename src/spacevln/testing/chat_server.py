@@ -115,7 +115,7 @@ class ScriptedServer:
         """What is answered to a request."""
         with self._lock:
             self.bodies.append(body)
-            self.headers.append(dict(headers))
+            self.headers.append({name.lower(): value for name, value in headers.items()})
             asked = body.get("response_format", {}).get("type", ReplyMode.TEXT)
             if asked not in self.modes:
                 return Refuse(400, f"response_format of type {asked!r} is not supported by this server")
