@@ -1,0 +1,48 @@
+"""Executor actions as words: every choice of a body, what of it is admissible now, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from spacevln.core import Action, AdmissibleActions, EnvironmentSpec, MoveForward, Stop, TurnLeft, TurnPurpose, TurnRight
+
+Choices = dict[str, tuple[Action, TurnPurpose | None]]
+
+
+def action_choices(spec: EnvironmentSpec, turn_steps: int = 1) -> Choices:
+    """Every action that may be chosen, by its words: ``"forward 0.75"``, ``"left 30 align"``, ``"right 30 avoid"``, ``"stop"``.
+
+    Args:
+        spec: step, turn and longest forward of the body.
+        turn_steps: largest turn in turn primitives.
+    """
+    forwards = range(1, int(spec.max_forward_m / spec.step_m + 1e-9) + 1)
+    choices: Choices = {}
+    for count in forwards:
+        forward = MoveForward(spec.step_m * count)
+        choices[f"forward {forward.distance_m:.2f}"] = (forward, None)
+    for steps in range(1, turn_steps + 1):
+        angle_deg = spec.turn_deg * steps
+        for turn in (TurnLeft(angle_deg), TurnRight(angle_deg)):
+            for purpose in TurnPurpose:
+                choices[words_of(turn, purpose)] = (turn, purpose)
+    choices["stop"] = (Stop(), None)
+    return choices
+
+
+def words_of(action: Action, purpose: TurnPurpose | None) -> str:
+    """The words of one action."""
+    match action:
+        case Stop():
+            return "stop"
+        case MoveForward(distance_m=distance_m):
+            return f"forward {distance_m:.2f}"
+        case TurnLeft(angle_deg=angle_deg):
+            return f"left {angle_deg:.0f} {purpose or TurnPurpose.ALIGN}"
+        case TurnRight(angle_deg=angle_deg):
+            return f"right {angle_deg:.0f} {purpose or TurnPurpose.ALIGN}"
+
+
+def admissible_words(admissible: AdmissibleActions, choices: Choices) -> Iterator[str]:
+    """The choices that U_t allows, in order."""
+    return (words for words, (action, _) in choices.items() if admissible.allows(action))

@@ -1,0 +1,46 @@
+"""pi_P with a chat model: prompt, ask, parse (paper Sec. 3.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from spacevln.core import ChatModel, PlannerContext, PlannerReply, Task
+from spacevln.reasoning.spatial_cot.planner_prompt import PlannerPrompt
+from spacevln.reasoning.spatial_cot.transcript import Transcript
+
+
+class ModelPlanner:
+    """Implements :class:`spacevln.core.Planner` by Spatial-CoT.
+
+    Between two questions it keeps only the refused replies of the present planning boundary.
+
+    Args:
+        model: answers.
+        prompt: asks.
+    """
+
+    def __init__(self, model: ChatModel, prompt: PlannerPrompt) -> None:
+        self._model, self._prompt = model, prompt
+        self._transcript = Transcript()
+
+    def lookaround_queries(self, task: Task) -> Sequence[str]:
+        """None: the model sees the pictures."""
+        del task
+        return ()
+
+    def reset(self) -> None:
+        """A new episode begins."""
+        self._transcript.clear()
+
+    def plan(self, context: PlannerContext) -> PlannerReply:
+        """The next subtask.
+
+        Raises:
+            ReplyRejected: the reply could not be parsed into stage variables.
+            ModelError, SpendingLimit: of the model.
+        """
+        request = self._prompt.request(context, self._transcript.refusals(context.rejections))
+        self._transcript.asking(context.rejections)
+        reply = self._model.complete(request)
+        self._transcript.answered(reply.text)
+        return self._prompt.parse(reply.text, context)

@@ -1,0 +1,114 @@
+"""The words of a situation: what the last stage brought, what a view shows, what the landmark pool holds."""
+
+from __future__ import annotations
+
+import json
+import math
+
+from spacevln.core import (
+    Anchor,
+    AnchorStatus,
+    ExecutedDecision,
+    Feedback,
+    LandmarkCandidate,
+    LandmarkPool,
+    StageEnd,
+    StageRecord,
+    Subtask,
+    View,
+    egocentric_label,
+)
+from spacevln.reasoning.spatial_cot.actions import words_of
+from spacevln.reasoning.spatial_cot.names import full_name, quoted
+from spacevln.reasoning.spatial_cot.pictures import bearing_words, distance_words, nearest_sightings
+
+STATUS = {AnchorStatus.VERIFIED: "done", AnchorStatus.CURRENT: "here", AnchorStatus.PENDING: "ahead"}
+
+_ENDS = {
+    StageEnd.ARRIVAL: "arrival: the target was reached by the evidence of landmark, floor or space.",
+    StageEnd.STOP: "the executor said stop.",
+    StageEnd.BLOCKED: "blocked: no move was left that the executor could make.",
+    StageEnd.STAGE_BUDGET: "the moves of a stage were used up before an arrival.",
+    StageEnd.EPISODE_END: "the steps of the episode were used up.",
+}
+
+
+def anchor_words(anchor: Anchor | None) -> str:
+    """``"living room, by the white sofa"``."""
+    if anchor is None:
+        return "none"
+    return ", by ".join(part for part in (anchor.space, f"the {anchor.cue}" if anchor.cue else "") if part)
+
+
+def landmark_words(landmark: str) -> str:
+    """The phrase in double quotes, or ``"none"``."""
+    return quoted(landmark) if landmark else "none"
+
+
+def chain_lines(subtask: Subtask) -> list[str]:
+    """The anchor chain as it stood in a reply, one JSON object a line, ready to be copied."""
+    return [
+        json.dumps(
+            {"space": anchor.space, "kind": anchor.space_kind, "landmark": anchor.cue, "status": STATUS[subtask.status(index)]},
+            ensure_ascii=False,
+        )
+        for index, anchor in enumerate(subtask.chain)
+    ]
+
+
+def end_words(feedback: Feedback) -> str:
+    """Why the last stage ended."""
+    return _ENDS[feedback.end]
+
+
+def motion_words(record: StageRecord) -> str:
+    """What the body did in a stage."""
+    if not record.decisions:
+        return "did not move."
+    moves = "; ".join(map(move_words, record.decisions))
+    return f"moved {record.moved_m:.1f} m in all, net turn {_turn_words(record.turned_rad)}. Moves: {moves}."
+
+
+def move_words(decision: ExecutedDecision) -> str:
+    """One decision and what came of it: ``"forward 0.75: moved 0.50 m, then blocked"``."""
+    asked = words_of(decision.asked, decision.purpose)
+    if decision.purpose is not None:
+        return f"{asked}: turned {_turn_words(decision.turned_rad)}"
+    return f"{asked}: moved {decision.moved_m:.2f} m{', then blocked' if decision.stalled else ''}"
+
+
+def _turn_words(turned_rad: float) -> str:
+    degrees = math.degrees(turned_rad)
+    return f"{abs(degrees):.0f} deg {'left' if degrees > 0 else 'right'}" if abs(degrees) >= 1 else "0 deg"
+
+
+def pool_words(pool: LandmarkPool, landmark: str) -> str:
+    """The stage-end summary of the landmark pool, seen from where the robot stands now."""
+    if not landmark:
+        return "none was tracked."
+    if not pool:
+        return f"{quoted(landmark)} was never seen in this stage."
+    return "; ".join(
+        f"{quoted(full_name(candidate.category, candidate.attributes))} {distance_words(candidate.distance_m)} away, "
+        f"{egocentric_label(candidate.bearing_rad)}{', arrived' if candidate.arrived else ''}"
+        for candidate in pool
+    )
+
+
+def candidate_words(candidate: LandmarkCandidate) -> str:
+    """One entry of the landmark pool for the executor."""
+    return (
+        f"{quoted(full_name(candidate.category, candidate.attributes))}: {'visible' if candidate.visible else 'remembered'}, "
+        f"{distance_words(candidate.distance_m)}, {bearing_words(candidate.bearing_rad)}, "
+        f"confidence {candidate.confidence:.2f}, {'arrived' if candidate.arrived else 'not arrived'}"
+    )
+
+
+def view_words(view: View, *, detections: bool) -> str:
+    """One line about a view: ``left 30: obstacle 2.1 m; detected "sofa" 2.3 m``."""
+    words = f"{view.label}: obstacle {distance_words(view.obstacle_m)}"
+    nearest = nearest_sightings(view) if detections else []
+    if nearest:
+        seen = ", ".join(f"{quoted(full_name(s.category, s.attributes))} {distance_words(s.distance_m)}" for s in nearest)
+        words += f"; detected {seen}"
+    return words
