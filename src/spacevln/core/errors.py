@@ -8,7 +8,7 @@ SpaceVLNError
 ├── RecordError             a run record cannot be read or written
 ├── ReplyRejected           one reply of a model is unusable; asked again with the reason
 ├── ModelError              a planner, executor or chat model failed for good     episode ends: model_failure
-├── SpendingLimit           the run has spent what it may                         episode ends: interrupted
+├── SpendingLimit           the run has spent what it may                         the run ends; the episode has no result
 ├── EnvironmentFailure      a simulator or robot failed                           episode ends: environment_failure
 └── SafetyStop              a safety rule ended the motion                        episode ends: safety
 
@@ -77,7 +77,7 @@ class ModelError(SpaceVLNError):
 
 
 class SpendingLimit(SpaceVLNError):  # noqa: N818 - a limit, not a failure: the episode can be resumed
-    """The run has spent what ``--max-usd`` allows; the episode ends as ``interrupted`` and is no result."""
+    """The run has spent what ``--max-usd`` allows; it ends, and its open episodes have no result until it is resumed."""
 
 
 class EnvironmentFailure(SpaceVLNError):  # noqa: N818 - the word of the status it becomes

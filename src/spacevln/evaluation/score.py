@@ -10,7 +10,7 @@ import numpy as np
 from spacevln.core import EpisodeStatus, StopReason
 from spacevln.evaluation import metrics
 from spacevln.evaluation.episode import Episode, GroundTruth, Points
-from spacevln.recording import Metrics, ResultFile, Truth, read_events, task_fields
+from spacevln.recording import Metrics, ResultFile, Truth, read_events, task_fields, usage_of
 from spacevln.recording.schema import EpisodeEndedLine, EpisodeStartedLine, FallbackUsedLine, ReplyRefusedLine, StepTakenLine
 
 
@@ -31,7 +31,8 @@ def score(episode: Episode, directory: Path, *, restarts: int = 0) -> ResultFile
     walked, origin = [episode.start], episode.start
     rejections = fallbacks = 0
     end: EpisodeEndedLine | None = None
-    for line in read_events(directory):
+    lines = list(read_events(directory))
+    for line in lines:
         match line:
             case EpisodeStartedLine():
                 origin = line.T_scene_episode
@@ -48,7 +49,8 @@ def score(episode: Episode, directory: Path, *, restarts: int = 0) -> ResultFile
     positions = np.array([pose.position_m for pose in walked])
     if end is None:
         return environment_failure(episode, "the attempt ended without a status", positions, restarts=restarts)
-    return _result(episode, positions, end, rejections=rejections, fallbacks=fallbacks, restarts=restarts)
+    result = _result(episode, positions, end, rejections=rejections, fallbacks=fallbacks, restarts=restarts)
+    return result.model_copy(update={"usage": usage_of(lines)})
 
 
 def environment_failure(episode: Episode, detail: str, positions: Points | None = None, *, restarts: int = 0) -> ResultFile:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from spacevln.recording import ResultFile, SummaryFile
+from spacevln.recording import ResultFile, SummaryFile, total
 
 PERCENT = ("SR", "SPL", "OSR", "nDTW", "SDTW", "SoftSPL")
 
@@ -33,6 +33,7 @@ def summarise(results: Sequence[ResultFile]) -> SummaryFile:
         rejections=sum(result.metrics.rejections for result in results),
         fallbacks=sum(result.metrics.fallbacks for result in results),
         unreachable=sum(result.metrics.NE is None for result in judged),
+        usage=total(result.usage for result in results),
     )
 
 

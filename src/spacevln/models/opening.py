@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from spacevln.core import ChatModel, Event, Role, UsageError
 from spacevln.models.cached import CachedModel
@@ -38,6 +39,16 @@ class RunAccess:
     max_usd: float | None = None
     requests_per_minute: float | None = None
     reply_cache: Path | None = None
+
+    def to_json(self) -> dict[str, str | float | None]:
+        """As plain values, for another process."""
+        return {name: str(value) if isinstance(value, Path) else value for name, value in asdict(self).items()}
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> RunAccess:
+        """From such values."""
+        paths = {name: None if data[name] is None else Path(data[name]) for name in ("ledger", "reply_cache")}
+        return cls(**{**data, **paths})
 
 
 def price_of(choice: ModelChoice) -> AnyPrice | None:
@@ -78,6 +89,10 @@ class ModelDesk(AbstractContextManager["ModelDesk"]):
         )
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free connections and ledger. May be called twice."""
         for endpoint in self._endpoints.values():
             endpoint.close()
         self.ledger.close()

@@ -10,10 +10,12 @@ from spacevln.recording.schema import (
     SummaryFile,
     Truth,
 )
+from spacevln.recording.usage import CallUsage, total, usage_of
 from spacevln.recording.writer import EpisodeRecorder, RecordLevel, task_fields
 
 __all__ = [
     "FORMAT",
+    "CallUsage",
     "EpisodeRecorder",
     "EventLine",
     "Metrics",
@@ -27,5 +29,7 @@ __all__ = [
     "read_file",
     "read_result",
     "task_fields",
+    "total",
+    "usage_of",
     "write_file",
 ]

@@ -29,6 +29,7 @@ from spacevln.core import (
 )
 from spacevln.recording.calls import CallRetriedLine, ModelCalledLine
 from spacevln.recording.record import Record
+from spacevln.recording.usage import CallUsage
 
 Format = Literal["spacevln-record/1.0", "spacevln-record/1.1"]
 FORMAT: Format = "spacevln-record/1.1"
@@ -293,7 +294,8 @@ class ResultFile(Record):
     """``result.json``: written once, atomically; the first result of an episode stands.
 
     ``timing_s`` and ``restarts`` are the only fields that may differ when an episode is repeated. ``memory`` names the file of
-    the final memory beside it; ``loaded_memory`` is the digest of the one that the episode began with, null for none.
+    the final memory beside it; ``loaded_memory`` is the digest of the one that the episode began with, null for none. ``usage``
+    sums the calls of chat models by role.
     """
 
     format: Format = FORMAT
@@ -310,6 +312,7 @@ class ResultFile(Record):
     tags: dict[str, str | float | int | bool] = Field(default={})
     memory: str | None = None
     loaded_memory: str | None = None
+    usage: dict[str, CallUsage] = Field(default={})
     timing_s: float
     restarts: int = 0
 
@@ -340,3 +343,4 @@ class SummaryFile(Record):
     rejections: int
     fallbacks: int
     unreachable: int
+    usage: dict[str, CallUsage] = Field(default={})
