@@ -7,6 +7,7 @@ from spacevln.assembly.configuration import (
     HousesSettings,
     KnownBuilding,
     LabelDetectorSettings,
+    ModelPair,
 )
 from spacevln.assembly.registration import RegisteredEnvironment
 
@@ -16,6 +17,7 @@ __all__ = [
     "HousesSettings",
     "KnownBuilding",
     "LabelDetectorSettings",
+    "ModelPair",
     "RegisteredEnvironment",
     "build_agent",
     "build_environment",

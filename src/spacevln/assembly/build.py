@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from spacevln.agent import AgentSettings, Components, NavigationAgent
 from spacevln.assembly.configuration import Configuration
-from spacevln.core import Environment, EventSink
+from spacevln.core import ChatModel, Environment, EnvironmentSpec, EventSink, Executor, Planner, Role, UsageError
 from spacevln.environments.houses.environment import HousesEnvironment
 from spacevln.perception import LabelDetector
 from spacevln.reasoning.rules import RuleExecutor, RulePlanner
+from spacevln.reasoning.spatial_cot import ExecutorPrompt, ModelExecutor, ModelPlanner, PlannerPrompt, PromptSettings
 
 
 def build_environment(configuration: Configuration) -> Environment:
@@ -22,11 +23,50 @@ def build_environment(configuration: Configuration) -> Environment:
     return HousesEnvironment(sliding=settings.sliding, renderer=settings.renderer)
 
 
-def build_agent(configuration: Configuration, environment: Environment, sinks: Sequence[EventSink] = ()) -> NavigationAgent:
-    """The agent of a run: detector, planner, executor, components, listeners."""
+def build_agent(
+    configuration: Configuration,
+    environment: Environment,
+    sinks: Sequence[EventSink] = (),
+    models: Mapping[Role, ChatModel] | None = None,
+) -> NavigationAgent:
+    """The agent of a run: detector, planner, executor, components, listeners.
+
+    Args:
+        configuration: of the run.
+        environment: that it drives.
+        sinks: listeners.
+        models: chat models by role, for a planner or executor that asks one.
+
+    Raises:
+        UsageError: a model is needed and not given.
+    """
     detector = LabelDetector(**configuration.detector.model_dump())
     settings = AgentSettings(
         components=Components(**configuration.components.model_dump()),
         step_limit=configuration.step_budget,
     )
-    return NavigationAgent(environment, detector, RulePlanner(), RuleExecutor(), settings, sinks)
+    planner = _planner(configuration, environment.spec, models or {})
+    executor = _executor(configuration, environment.spec, models or {})
+    return NavigationAgent(environment, detector, planner, executor, settings, sinks)
+
+
+def _planner(configuration: Configuration, spec: EnvironmentSpec, models: Mapping[Role, ChatModel]) -> Planner:
+    if configuration.planner == "rules":
+        return RulePlanner()
+    return ModelPlanner(_model(models, Role.PLANNER), PlannerPrompt(_prompts(configuration), spec))
+
+
+def _executor(configuration: Configuration, spec: EnvironmentSpec, models: Mapping[Role, ChatModel]) -> Executor:
+    if configuration.executor == "rules":
+        return RuleExecutor()
+    return ModelExecutor(_model(models, Role.EXECUTOR), ExecutorPrompt(_prompts(configuration), spec))
+
+
+def _prompts(configuration: Configuration) -> PromptSettings:
+    return PromptSettings(**configuration.components.model_dump())
+
+
+def _model(models: Mapping[Role, ChatModel], role: Role) -> ChatModel:
+    if role not in models:
+        raise UsageError(f"A model-written {role} needs a chat model: give --model.")
+    return models[role]

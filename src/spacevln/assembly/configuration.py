@@ -8,8 +8,9 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveInt
 
-from spacevln.core import UsageError
+from spacevln.core import Role, UsageError
 from spacevln.memory import SavedMemory, load_memory
+from spacevln.models import ModelChoice
 
 
 class _Settings(BaseModel):
@@ -95,6 +96,18 @@ def _digest(path: Path) -> str:
         ) from error
 
 
+class ModelPair(_Settings):
+    """Which chat models planner and executor ask; they may be the same."""
+
+    planner: ModelChoice
+    executor: ModelChoice
+
+    @property
+    def choices(self) -> dict[Role, ModelChoice]:
+        """By role."""
+        return {Role.PLANNER: self.planner, Role.EXECUTOR: self.executor}
+
+
 class Configuration(_Settings):
     """Configuration of a run.
 
@@ -103,7 +116,8 @@ class Configuration(_Settings):
         environment: where it drives.
         detector: what grounds landmarks.
         components: which parts of the agent are on.
-        planner, executor: who reasons.
+        planner, executor: who reasons: rules, or a vision-language model.
+        models: which models; None where nobody needs one.
         memory: what is known of the building beforehand; None, as in every benchmark, for nothing.
         step_budget: environment steps per episode, STOP included; None takes the task's (260 instructions, 280 object goals).
     """
@@ -112,8 +126,9 @@ class Configuration(_Settings):
     environment: HousesSettings = HousesSettings()
     detector: LabelDetectorSettings = LabelDetectorSettings()
     components: ComponentSettings = ComponentSettings()
-    planner: Literal["rules"] = "rules"
-    executor: Literal["rules"] = "rules"
+    planner: Literal["rules", "vlm"] = "rules"
+    executor: Literal["rules", "vlm"] = "rules"
+    models: ModelPair | None = None
     memory: KnownBuilding | None = None
     step_budget: PositiveInt | None = None
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from types import TracebackType
 
 from spacevln.agent import EpisodeResult
 from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_environment
-from spacevln.core import EventSink, RecordError, UsageError
+from spacevln.core import Event, EventSink, RecordError, UsageError
 from spacevln.evaluation.baselines import ForwardWalker, OracleWalker, RandomWalker, walk
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.score import environment_failure, score
 from spacevln.memory import BuildingMemory, SavedMemory, save_memory
+from spacevln.models import ModelDesk, RunAccess
 from spacevln.recording import EpisodeRecorder, RecordLevel, ResultFile, write_file
 from spacevln.viewer import draw_topdown
 
@@ -25,12 +26,15 @@ MEMORY_FILE = "memory.npz"
 class Session(AbstractContextManager["Session"]):
     """An environment that is reused over episodes, and the configuration of the agents that run in it."""
 
-    def __init__(self, configuration: Configuration) -> None:
+    def __init__(self, configuration: Configuration, access: RunAccess | None = None) -> None:
         self._configuration = configuration
+        self._desk = None if configuration.models is None else ModelDesk(configuration.models.choices, access)
         self._environment = build_environment(configuration)
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
         self._environment.close()
+        if self._desk is not None:
+            self._desk.close()
 
     def attempt(
         self,
@@ -103,7 +107,8 @@ class Session(AbstractContextManager["Session"]):
             case "agent":
                 environment = self._environment if known is None else RegisteredEnvironment(self._environment, known)
                 building = None if known is None else known.building
-                return build_agent(self._configuration, environment, sinks).run(episode.spec, building)
+                models = None if self._desk is None else self._desk.for_episode(_teller(sinks))
+                return build_agent(self._configuration, environment, sinks, models).run(episode.spec, building)
             case "random":
                 walk(RandomWalker(episode.episode_id.encode()), episode, self._environment, sinks)
             case "forward":
@@ -113,3 +118,13 @@ class Session(AbstractContextManager["Session"]):
                     raise UsageError(f"{episode.episode_id!r} has no truth that an oracle could follow: use a suite's episode.")
                 walk(OracleWalker(episode.truth), episode, self._environment, sinks)
         return None
+
+
+def _teller(sinks: Sequence[EventSink]) -> Callable[[Event], None]:
+    """Tells every listener."""
+
+    def tell(event: Event) -> None:
+        for sink in sinks:
+            sink.emit(event)
+
+    return tell

@@ -22,6 +22,7 @@ from spacevln.evaluation.datasets import Selection
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.score import environment_failure
 from spacevln.evaluation.summary import summarise
+from spacevln.models import UNLIMITED, RunAccess
 from spacevln.recording import (
     RecordLevel,
     ResultFile,
@@ -47,6 +48,7 @@ class Job:
     configuration: Configuration
     directory: Path
     level: RecordLevel
+    access: RunAccess = UNLIMITED
 
     def to_json(self) -> str:
         """Encode."""
@@ -56,6 +58,7 @@ class Job:
                 "configuration": self.configuration.model_dump(mode="json"),
                 "directory": str(self.directory),
                 "level": self.level.value,
+                "access": self.access.to_json(),
             }
         )
 
@@ -68,6 +71,7 @@ class Job:
             configuration=Configuration.model_validate(data["configuration"]),
             directory=Path(data["directory"]),
             level=RecordLevel(data["level"]),
+            access=RunAccess.from_json(data["access"]),
         )
 
 
@@ -234,7 +238,7 @@ def worker_main(connection: Connection, job_text: str) -> None:
     job = Job.from_json(job_text)
     episodes = job.selection.load()
     try:
-        with Session(job.configuration) as session:
+        with Session(job.configuration, access=job.access) as session:
             while True:
                 episode_id, restarts = json.loads(connection.recv_bytes())
                 folder = episode_directory(job.directory, episode_id)

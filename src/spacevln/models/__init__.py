@@ -1,7 +1,7 @@
 """Chat models (DESIGN 5.5): endpoints, the relay, replays; retries, prices, the reply cache."""
 
 from spacevln.models.choice import ModelChoice, RetrySettings, choose
-from spacevln.models.opening import ModelDesk, RunAccess, price_of
+from spacevln.models.opening import UNLIMITED, ModelDesk, RunAccess, price_of
 from spacevln.models.prices import HourlyPrice, TokenPrice
 from spacevln.models.profiles import pairs, profile, profiles
 from spacevln.models.recorded import RecordedCall, RecordedModel, ReplayDiverged
@@ -9,6 +9,7 @@ from spacevln.models.relay import RelayModel
 from spacevln.models.secret import Secret
 
 __all__ = [
+    "UNLIMITED",
     "HourlyPrice",
     "ModelChoice",
     "ModelDesk",

@@ -51,6 +51,9 @@ class RunAccess:
         return cls(**{**data, **paths})
 
 
+UNLIMITED = RunAccess()
+
+
 def price_of(choice: ModelChoice) -> AnyPrice | None:
     """The price rule of a choice, else the table's; a relay is free; None when nobody knows."""
     if choice.profile == RELAY:
