@@ -48,7 +48,7 @@ def planner_words(reply: PlannerReply, *, scot: bool = True) -> dict[str, Any]:
             for index, anchor in enumerate(subtask.chain)
         ],
         "next_anchor": None if subtask.next_anchor is None else _place(subtask.next_anchor),
-        "direction": None if subtask.complete else subtask.direction,
+        "direction": subtask.direction or None,
         "instruction": subtask.instruction,
         "landmark": subtask.landmark,
         "complete": subtask.complete,
@@ -92,7 +92,7 @@ class DictatingPlanner:
     """Decides by ``author``; what counts is what ``speaker`` hears of it from its chat model.
 
     Args:
-        author: its metric targets are dropped, as a model has no words for them.
+        author: what a reply has no words for (metric targets, the direction of a finished task) is dropped.
         speaker: asks the chat model.
         dictation: between the two; None = no words at all, the author's reply counts: what the speaker must equal.
         scot: with the reasoning fields.
@@ -116,7 +116,9 @@ class DictatingPlanner:
     def plan(self, context: PlannerContext) -> PlannerReply:
         """The next subtask."""
         reply = self.author.plan(context)
-        reply = replace(reply, subtask=replace(reply.subtask, target_m=None))
+        subtask = reply.subtask
+        direction = "" if subtask.complete else subtask.direction
+        reply = replace(reply, subtask=replace(subtask, target_m=None, direction=direction))
         if self.speaker is None:
             return reply
         self.dictation.tell(planner_words(reply, scot=self.scot))
