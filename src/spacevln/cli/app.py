@@ -12,8 +12,9 @@ from spacevln import __version__
 from spacevln.cli.bench import bench
 from spacevln.cli.doctor import doctor
 from spacevln.cli.houses import houses
+from spacevln.cli.replay import replay
 from spacevln.cli.run import run
-from spacevln.core import PrerequisiteError, SpaceVLNError, UsageError
+from spacevln.core import PrerequisiteError, SpaceVLNError, SpendingLimit, UsageError
 
 DONE, FAILED, USAGE, PREREQUISITE, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -26,12 +27,14 @@ def cli() -> None:
     \b
     spacevln run                         watch an agent follow an instruction through a furnished house
     spacevln bench houses-vln            measure it on many houses
+    spacevln replay RECORD               rerun a recorded episode offline, from its stored replies
     spacevln doctor                      what is installed, what is missing, and the command that mends it
     """  # noqa: D301 - click reads the backspace as "keep these lines"
 
 
 cli.add_command(run)
 cli.add_command(bench)
+cli.add_command(replay)
 cli.add_command(houses)
 cli.add_command(doctor)
 
@@ -60,5 +63,7 @@ def _exit_code(error: SpaceVLNError) -> int:
             return USAGE
         case PrerequisiteError():
             return PREREQUISITE
+        case SpendingLimit():
+            return INTERRUPTED
         case _:
             return FAILED

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import click
 
+from spacevln.cli.model_options import REASONERS, access_options, choice_options, models_from
+
 if TYPE_CHECKING:
     from spacevln.assembly import Configuration
 
@@ -20,7 +22,10 @@ def agent_options(command: F) -> F:
     """Who reasons, with which components, in which world, and where the record goes."""
     for option in reversed(
         (
-            click.option("--planner", type=click.Choice(["rules"]), default="rules", show_default=True, help="Who reasons."),
+            click.option("--planner", type=REASONERS, default=None, help="Who reasons; vlm where --model is given, else rules."),
+            click.option("--executor", type=REASONERS, default=None, help="Who acts, if not the planner's kind."),
+            choice_options,
+            access_options,
             click.option("--without", multiple=True, type=click.Choice(COMPONENTS), help="Switch a component off (ablation)."),
             click.option("--renderer", type=click.Choice(["auto", "gl", "raycast"]), default="auto", show_default=True),
             click.option(
@@ -39,6 +44,7 @@ def agent_options(command: F) -> F:
 
 
 Driver = Literal["agent", "random", "forward", "oracle"]
+Reasoner = Literal["rules", "vlm"]
 
 
 def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Configuration:
@@ -51,11 +57,28 @@ def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Con
     )
     from spacevln.environments.houses.rendering import renderer_info
 
+    models = models_from(options)
+    planner: Reasoner = options["planner"] or ("rules" if models is None else "vlm")
+    executor: Reasoner = options["executor"] or planner
+    _check_models(planner, executor, asked=models is not None)
     return Configuration(
         driver=driver,
         environment=HousesSettings(renderer=renderer_info(options["renderer"]).name, sliding=options["sliding"]),
         detector=LabelDetectorSettings(miss_rate=options["miss_rate"], confusion_rate=options["confusion_rate"]),
         components=ComponentSettings(**dict.fromkeys(options["without"], False)),
-        planner=options["planner"],
+        planner=planner,
+        executor=executor,
+        models=models,
         step_budget=options["steps"],
     )
+
+
+def _check_models(planner: str, executor: str, *, asked: bool) -> None:
+    needed = "vlm" in (planner, executor)
+    if needed and not asked:
+        raise click.UsageError(
+            "A model-written planner or executor needs --model, e.g. --model paper-qwen3.5, --model ollama:qwen3-vl:8b, "
+            "or --model NAME --base-url URL."
+        )
+    if asked and not needed:
+        raise click.UsageError("--model is given and nobody asks it: leave --planner rules out, or leave --model out.")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacevln.cli.model_options import access_from
 from spacevln.cli.options import agent_options, configuration_from
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def run(
         result = finished(directory, episode.episode_id)
         if result is None:
             progress.begin(episode.spec)
-            with Session(configuration) as session:
+            with Session(configuration, access=access_from(options, directory)) as session:
                 result = session.attempt(episode, folder, sinks=(progress,))
     write_file(directory / "summary.json", summarise([result]))
     click.echo(outcome_line(result))

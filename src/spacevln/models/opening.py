@@ -33,12 +33,14 @@ class RunAccess:
         max_usd: what the run may spend.
         requests_per_minute: over all workers.
         reply_cache: folder of kept replies; None = every call is asked.
+        hedge_after_s: a second request joins a first one that is silent for so long; None = never.
     """
 
     ledger: Path | None = None
     max_usd: float | None = None
     requests_per_minute: float | None = None
     reply_cache: Path | None = None
+    hedge_after_s: float | None = None
 
     def to_json(self) -> dict[str, str | float | None]:
         """As plain values, for another process."""
@@ -108,7 +110,7 @@ class ModelDesk(AbstractContextManager["ModelDesk"]):
         if choice.profile == RELAY:
             return RelayModel(Path(choice.model))
         asked = OpenAICompatibleModel(
-            choice,
+            self._hedged(choice, role),
             self._endpoints[choice],
             price_of(choice),
             self.ledger,
@@ -117,6 +119,12 @@ class ModelDesk(AbstractContextManager["ModelDesk"]):
             retry_teller(role, str(choice), emit),
         )
         return asked if self._access.reply_cache is None else CachedModel(asked, choice, self._access.reply_cache)
+
+    def _hedged(self, choice: ModelChoice, role: Role) -> ModelChoice:
+        after_s = self._access.hedge_after_s
+        if after_s is None:
+            return choice
+        return choice.model_copy(update={"retry": choice.retry_for(role).model_copy(update={"hedge_after_s": after_s})})
 
     def _check_prices(self) -> None:
         if self._access.max_usd is None:
