@@ -62,14 +62,14 @@ def test_the_walks_are_all_there() -> None:
 @pytest.mark.parametrize("name", ROUTES)
 def test_routes_agree_with_habitat_lab(name: str) -> None:
     found, lab, own = verdict(name), TRACES[name]["lab"], TRACES[name]["metrics"]
-    assert found.SR == lab["success"]
-    assert found.NE == pytest.approx(lab["distance_to_goal"], abs=CLOSE)
-    assert found.SPL == pytest.approx(lab["spl"], abs=CLOSE)
+    assert lab["success"] == found.SR
+    assert pytest.approx(lab["distance_to_goal"], abs=CLOSE) == found.NE
+    assert pytest.approx(lab["spl"], abs=CLOSE) == found.SPL
     assert found.SoftSPL == pytest.approx(lab["soft_spl"], abs=CLOSE)
-    assert found.OSR == own["oracle_success"]
+    assert own["oracle_success"] == found.OSR
     assert found.oracle_NE == pytest.approx(own["oracle_navigation_error"], abs=CLOSE)
     assert found.nDTW == pytest.approx(own["ndtw"], abs=CLOSE)
-    assert found.SDTW == pytest.approx(own["sdtw"], abs=CLOSE)
+    assert pytest.approx(own["sdtw"], abs=CLOSE) == found.SDTW
     assert found.start_m == pytest.approx(own["start_distance"], abs=CLOSE)
     assert found.SR_viewpoint is None
 
@@ -79,10 +79,10 @@ def test_object_goals_agree_with_the_simulator(name: str) -> None:
     found, own = verdict(name), TRACES[name]["metrics"]
     assert found.SR == found.SR_viewpoint == own["success"]
     assert found.SR_viewpoint_1m == own["success_at_1_0"]
-    assert found.SPL == pytest.approx(own["spl"], abs=CLOSE)
+    assert pytest.approx(own["spl"], abs=CLOSE) == found.SPL
     assert found.SoftSPL == pytest.approx(own["soft_spl"], abs=CLOSE)
     assert found.nDTW is None
-    assert found.OSR == own["oracle_success"]
+    assert own["oracle_success"] == found.OSR
 
 
 def test_a_time_out_inside_the_radius_is_a_success_only_without_stop() -> None:

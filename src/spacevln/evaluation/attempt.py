@@ -10,7 +10,7 @@ from types import TracebackType
 
 from spacevln.agent import EpisodeResult
 from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_environment
-from spacevln.core import Event, EventSink, RecordError, UsageError
+from spacevln.core import Environment, Event, EventSink, RecordError, SpendingLimit, UsageError
 from spacevln.evaluation.baselines import ForwardWalker, OracleWalker, RandomWalker, walk
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.score import environment_failure, score
@@ -24,12 +24,20 @@ MEMORY_FILE = "memory.npz"
 
 
 class Session(AbstractContextManager["Session"]):
-    """An environment that is reused over episodes, and the configuration of the agents that run in it."""
+    """An environment that is reused over episodes, and the configuration of the agents that run in it.
 
-    def __init__(self, configuration: Configuration, access: RunAccess | None = None) -> None:
+    Args:
+        configuration: of the run.
+        environment: used instead of the one that the configuration names.
+        access: what the run lets its models do.
+    """
+
+    def __init__(
+        self, configuration: Configuration, environment: Environment | None = None, access: RunAccess | None = None
+    ) -> None:
         self._configuration = configuration
         self._desk = None if configuration.models is None else ModelDesk(configuration.models.choices, access)
-        self._environment = build_environment(configuration)
+        self._environment = environment or build_environment(configuration)
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
         self._environment.close()
@@ -51,7 +59,7 @@ class Session(AbstractContextManager["Session"]):
             episode: what to run; only its ``spec`` reaches the agent.
             directory: of its record.
             level: of detail.
-            restarts: how often a worker died in it before.
+            restarts: how often it was begun before.
             sinks: further listeners.
 
         Returns:
@@ -59,6 +67,7 @@ class Session(AbstractContextManager["Session"]):
 
         Raises:
             RecordError: the record cannot be written; the run stops and can be resumed.
+            SpendingLimit: the run has spent what it may; the episode has no result.
             UsageError: the memory to begin with is of another building, or cannot be read.
         """
         known = self._known(episode)
@@ -68,7 +77,7 @@ class Session(AbstractContextManager["Session"]):
             result = score(episode, directory, restarts=restarts)
             if left is not None:
                 result = result.model_copy(update=self._keep(left, episode, known, directory))
-        except RecordError:
+        except (RecordError, SpendingLimit):
             raise
         except Exception as error:  # noqa: BLE001 - the episode boundary: a bug must not take the other episodes along
             (directory / "crash.txt").write_text(traceback.format_exc(), encoding="utf-8")

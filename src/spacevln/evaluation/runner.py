@@ -1,25 +1,25 @@
-"""Runs the episodes of a suite in worker processes, survives their death, and resumes (DESIGN 5.8).
+"""Runs the episodes of a suite in workers, survives their death, and resumes (DESIGN 5.8).
 
 An episode whose worker dies has no result yet: it restarts from its start on a fresh worker, and a second death makes it an
-environment failure. What has a result is never run again; an interrupted episode is no result.
+environment failure. An episode that was interrupted, because the runner was stopped or killed, restarts as well. What has a
+result is never run again. A directory holds one suite with one configuration.
 """
 
 from __future__ import annotations
 
+import fcntl
 import json
-import multiprocessing
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 from spacevln.assembly import Configuration
-from spacevln.core import EpisodeStatus, UsageError
+from spacevln.core import EpisodeStatus, RecordError, UsageError
 from spacevln.evaluation.attempt import Session
-from spacevln.evaluation.datasets import Selection
-from spacevln.evaluation.episode import Episode
+from spacevln.evaluation.datasets import EpisodeSequence, Selection
+from spacevln.evaluation.journal import Journal, held, note
+from spacevln.evaluation.pool import Attempt, Outcome, Pool, ProcessPool, Queue
 from spacevln.evaluation.score import environment_failure
 from spacevln.evaluation.summary import summarise
 from spacevln.models import UNLIMITED, RunAccess
@@ -36,8 +36,6 @@ from spacevln.recording import (
 
 MAX_DEATHS = 1
 """Deaths of a worker inside one episode that are forgiven."""
-
-POLL_S = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +81,7 @@ def claim_directory(directory: Path, run: RunFile) -> None:
         RecordError: it cannot be written.
     """
     path = directory / "run.json"
-    if not path.exists():
-        write_file(path, run)
-        return
+    write_file(path, run, first_stands=True)
     before = read_file(path, RunFile)
     if (before.suite, before.configuration_hash) != (run.suite, run.configuration_hash):
         raise UsageError(
@@ -99,152 +95,138 @@ def finished(directory: Path, episode_id: str) -> ResultFile | None:
     folder = episode_directory(directory, episode_id)
     result = read_result(folder)
     if result is not None and result.status is EpisodeStatus.INTERRUPTED:
-        (folder / "result.json").unlink()
+        (folder / "result.json").unlink(missing_ok=True)
         return None
     return result
 
 
-def bench(job: Job, workers: int, on_result: Callable[[ResultFile], None]) -> SummaryFile:
+def bench(
+    job: Job, workers: int, on_result: Callable[[ResultFile], None], *, deadline_s: float | None = None, pool: Pool | None = None
+) -> SummaryFile:
     """Run every episode that has no result, then write ``summary.json``.
 
     Args:
         job: what to run and where.
         workers: number of processes.
         on_result: called for every result, those of an earlier call included.
+        deadline_s: per episode; a worker that takes longer is killed, which counts as its death.
+        pool: where to run instead of processes on this machine.
 
     Returns:
-        The summary of all results.
+        The summary of all results in the directory, those of other shards included.
 
     Raises:
         KeyboardInterrupt: after the workers were told to end; the directory can be resumed.
+        RecordError: the disk refuses; the directory can be resumed.
+        UsageError: another runner works on the same episodes.
     """
     episodes = job.selection.load()
-    results: dict[str, ResultFile] = {}
-    open_ids: list[str] = []
-    for episode_id in episodes.ids:
-        result = finished(job.directory, episode_id)
-        if result is None:
-            open_ids.append(episode_id)
-        else:
-            results[episode_id] = result
-            on_result(result)
-    if open_ids:
-        pool = _Pool(job, min(workers, len(open_ids)), episodes.by_id)
-        for result in pool.run(open_ids):
-            results[result.episode_id] = result
-            on_result(result)
-    summary = summarise([results[episode_id] for episode_id in episodes.ids])
-    write_file(job.directory / "summary.json", summary)
+    chosen = pool or ProcessPool(open_session, job.to_json(), min(workers, len(episodes)), deadline_s)
+    shard = "" if job.selection.shard is None else f"-{job.selection.shard[0]}-of-{job.selection.shard[1]}"
+    with alone(job.directory, shard):
+        run_episodes(episodes, job.directory, chosen, on_result)
+    everything = job.selection.whole() if shard else episodes
+    return write_summary(everything, job.directory)
+
+
+def write_summary(episodes: EpisodeSequence, directory: Path) -> SummaryFile:
+    """Write ``summary.json`` over the results that are there, in the order of the suite."""
+    results = [result for name in episodes.ids if (result := finished(directory, name)) is not None]
+    summary = summarise(results)
+    write_file(directory / "summary.json", summary)
     return summary
 
 
-@dataclass(slots=True)
-class _Worker:
-    process: BaseProcess
-    connection: Connection
-    episode_id: str | None = None
+def run_episodes(episodes: EpisodeSequence, directory: Path, pool: Pool, on_result: Callable[[ResultFile], None]) -> None:
+    """Give every episode its one result.
+
+    Args:
+        episodes: which.
+        directory: of the run.
+        pool: runs them.
+        on_result: called for every result, those that were there included.
+    """
+    waiting: list[tuple[str, str]] = []
+    for name, scene in zip(episodes.ids, episodes.scenes, strict=True):
+        result = finished(directory, name)
+        if result is None:
+            waiting.append((name, scene))
+        else:
+            on_result(result)
+    if not waiting:
+        return
+    queue = Queue(waiting)
+
+    def begin(name: str) -> int:
+        folder = episode_directory(directory, name)
+        before = Journal.read(folder).starts
+        note(folder, "started")
+        return before
+
+    for outcome in pool.outcomes(queue, begin):
+        result = _settle(outcome, episodes, directory)
+        if result is None:
+            queue.again(outcome.episode_id)
+        else:
+            on_result(result)
 
 
-@dataclass(slots=True)
-class _Pool:
-    """Hands out episode ids one at a time, in order, and watches the processes."""
-
-    job: Job
-    size: int
-    episode_of: Callable[[str], Episode]
-    deaths: dict[str, int] = field(default_factory=dict)
-
-    def run(self, episode_ids: Sequence[str]) -> Iterator[ResultFile]:
-        """Yield results as they come."""
-        waiting = deque(episode_ids)
-        workers = [self._start() for _ in range(self.size)]
-        try:
-            open_count = len(waiting)
-            while open_count:
-                for worker in workers:
-                    if worker.episode_id is None and waiting:
-                        self._assign(worker, waiting.popleft())
-                wait([worker.connection for worker in workers], timeout=POLL_S)
-                for index, worker in enumerate(workers):
-                    result = self._collect(worker, waiting)
-                    if result is not None:
-                        open_count -= 1
-                        yield result
-                    if not worker.process.is_alive() and waiting:
-                        workers[index] = self._start()
-        finally:
-            _end(workers)
-
-    def _start(self) -> _Worker:
-        context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe()
-        process = context.Process(target=worker_main, args=(theirs, self.job.to_json()), daemon=True)
-        process.start()
-        theirs.close()
-        return _Worker(process, ours)
-
-    def _assign(self, worker: _Worker, episode_id: str) -> None:
-        worker.episode_id = episode_id
-        try:
-            worker.connection.send_bytes(json.dumps([episode_id, self.deaths.get(episode_id, 0)]).encode())
-        except OSError:  # the process died before it got work; _collect sees that
-            return
-
-    def _collect(self, worker: _Worker, waiting: deque[str]) -> ResultFile | None:
-        episode_id = worker.episode_id
-        if episode_id is None:
-            return None
-        try:
-            if not worker.connection.poll():
-                return None
-            worker.connection.recv_bytes()
-        except (EOFError, OSError):
-            worker.process.join()
-            worker.episode_id = None
-            return self._died(episode_id, worker.process.exitcode, waiting)
-        worker.episode_id = None
-        return finished(self.job.directory, episode_id)
-
-    def _died(self, episode_id: str, exit_code: int | None, waiting: deque[str]) -> ResultFile | None:
-        done = finished(self.job.directory, episode_id)
-        if done is not None:  # it died between writing the result and saying so
-            return done
-        self.deaths[episode_id] = self.deaths.get(episode_id, 0) + 1
-        if self.deaths[episode_id] <= MAX_DEATHS:
-            waiting.appendleft(episode_id)
-            return None
-        episode = self.episode_of(episode_id)
-        result = environment_failure(
-            episode, f"its worker died twice, last with exit code {exit_code}", restarts=self.deaths[episode_id]
-        )
-        folder = episode_directory(self.job.directory, episode_id)
-        folder.mkdir(parents=True, exist_ok=True)
-        write_file(folder / "result.json", result, first_stands=True)
+def _settle(outcome: Outcome, episodes: EpisodeSequence, directory: Path) -> ResultFile | None:
+    """The result of an attempt; None when the episode is to restart."""
+    name, folder = outcome.episode_id, episode_directory(directory, outcome.episode_id)
+    result = finished(directory, name)
+    if result is not None:  # a worker may die between writing the result and saying so
         return result
+    note(folder, "died", outcome.death or "it came back without a result")
+    journal = Journal.read(folder)
+    if journal.deaths <= MAX_DEATHS:
+        return None
+    failure = environment_failure(
+        episodes.by_id(name),
+        f"its worker died {journal.deaths} times, last: {journal.last_death}",
+        restarts=journal.starts - 1,
+    )
+    write_file(folder / "result.json", failure, first_stands=True)
+    return failure
 
 
-def _end(workers: Sequence[_Worker]) -> None:
-    for worker in workers:
-        worker.connection.close()
-    for worker in workers:
-        worker.process.join(timeout=2)
-        if worker.process.is_alive():
-            worker.process.kill()
-            worker.process.join()
+@contextmanager
+def alone(directory: Path, shard: str = "") -> Iterator[None]:
+    """Be the only runner of a directory, or of one shard of it.
+
+    Raises:
+        UsageError: another one is at work.
+        RecordError: the disk refuses.
+    """
+    path = directory / f".runner{shard}.lock"
+    try:
+        file = path.open("ab")
+    except OSError as error:
+        raise RecordError(f"Cannot write {str(path)!r} ({error.strerror}): give a writable --out.") from error
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise UsageError(
+                f"Another run is at work in {str(directory)!r}: wait for it, end it, or give another --out or --shard."
+            ) from error
+        yield
 
 
-def worker_main(connection: Connection, job_text: str) -> None:
-    """Body of a worker process: one environment, one episode at a time, until the runner hangs up."""
+@contextmanager
+def open_session(job_text: str) -> Iterator[Attempt]:
+    """A worker's environment (an :data:`~.pool.Opener`)."""
     job = Job.from_json(job_text)
     episodes = job.selection.load()
-    try:
-        with Session(job.configuration, access=job.access) as session:
-            while True:
-                episode_id, restarts = json.loads(connection.recv_bytes())
-                folder = episode_directory(job.directory, episode_id)
-                result = session.attempt(episodes.by_id(episode_id), folder, level=job.level, restarts=restarts)
-                if result.status is EpisodeStatus.INTERRUPTED:
+    with Session(job.configuration, access=job.access) as session:
+
+        def attempt(episode_id: str, before: int) -> None:
+            folder = episode_directory(job.directory, episode_id)
+            with held(folder):
+                if read_result(folder) is not None:
                     return
-                connection.send_bytes(b"done")
-    except (EOFError, BrokenPipeError, KeyboardInterrupt):  # the runner hung up, or the terminal's Ctrl-C reached us as well
-        return
+                result = session.attempt(episodes.by_id(episode_id), folder, level=job.level, restarts=before)
+            if result.status is EpisodeStatus.INTERRUPTED:
+                raise KeyboardInterrupt
+
+        yield attempt

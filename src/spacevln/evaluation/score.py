@@ -20,7 +20,7 @@ def score(episode: Episode, directory: Path, *, restarts: int = 0) -> ResultFile
     Args:
         episode: with its truth.
         directory: of the episode's record, complete up to its ``episode_ended`` line.
-        restarts: how often a worker died in this episode before.
+        restarts: how often the episode was begun before.
 
     Returns:
         The result; metrics that need a truth are null without one.
