@@ -1,6 +1,6 @@
 """Configuration, and the one place that names concrete classes."""
 
-from spacevln.assembly.build import build_agent, build_environment
+from spacevln.assembly.build import build_agent, build_environment, prompt_settings
 from spacevln.assembly.configuration import (
     ComponentSettings,
     Configuration,
@@ -8,17 +8,24 @@ from spacevln.assembly.configuration import (
     KnownBuilding,
     LabelDetectorSettings,
     ModelPair,
+    PromptOptions,
 )
+from spacevln.assembly.presets import ABLATIONS, PAPER, ablation_of
 from spacevln.assembly.registration import RegisteredEnvironment
 
 __all__ = [
+    "ABLATIONS",
+    "PAPER",
     "ComponentSettings",
     "Configuration",
     "HousesSettings",
     "KnownBuilding",
     "LabelDetectorSettings",
     "ModelPair",
+    "PromptOptions",
     "RegisteredEnvironment",
+    "ablation_of",
     "build_agent",
     "build_environment",
+    "prompt_settings",
 ]

@@ -53,17 +53,18 @@ def build_agent(
 def _planner(configuration: Configuration, spec: EnvironmentSpec, models: Mapping[Role, ChatModel]) -> Planner:
     if configuration.planner == "rules":
         return RulePlanner()
-    return ModelPlanner(_model(models, Role.PLANNER), PlannerPrompt(_prompts(configuration), spec))
+    return ModelPlanner(_model(models, Role.PLANNER), PlannerPrompt(prompt_settings(configuration), spec))
 
 
 def _executor(configuration: Configuration, spec: EnvironmentSpec, models: Mapping[Role, ChatModel]) -> Executor:
     if configuration.executor == "rules":
         return RuleExecutor()
-    return ModelExecutor(_model(models, Role.EXECUTOR), ExecutorPrompt(_prompts(configuration), spec))
+    return ModelExecutor(_model(models, Role.EXECUTOR), ExecutorPrompt(prompt_settings(configuration), spec))
 
 
-def _prompts(configuration: Configuration) -> PromptSettings:
-    return PromptSettings(**configuration.components.model_dump())
+def prompt_settings(configuration: Configuration) -> PromptSettings:
+    """What models are shown in this run."""
+    return PromptSettings(**configuration.components.model_dump(), **configuration.prompts.model_dump())
 
 
 def _model(models: Mapping[Role, ChatModel], role: Role) -> ChatModel:

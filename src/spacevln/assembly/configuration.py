@@ -11,6 +11,9 @@ from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveInt
 from spacevln.core import Role, UsageError
 from spacevln.memory import SavedMemory, load_memory
 from spacevln.models import ModelChoice
+from spacevln.reasoning.spatial_cot import Layout, PromptSettings
+
+_PROMPTS = PromptSettings()
 
 
 class _Settings(BaseModel):
@@ -108,6 +111,29 @@ class ModelPair(_Settings):
         return {Role.PLANNER: self.planner, Role.EXECUTOR: self.executor}
 
 
+class PromptOptions(_Settings):
+    """What a model is shown, and how (:class:`~spacevln.reasoning.spatial_cot.PromptSettings`).
+
+    Args:
+        view_count: views of the look-around that are shown, evenly spaced from the front.
+        layout: separate pictures, or one mosaic.
+        view_width_px, forward_width_px, jpeg_quality: of the pictures.
+        show_detections: whether views show what was detected of the last stage's landmark.
+        turn_steps: largest turn that an executor may choose, in turn primitives.
+        planner_max_tokens, executor_max_tokens: bounds of the replies.
+    """
+
+    view_count: PositiveInt = _PROMPTS.view_count
+    layout: Layout = _PROMPTS.layout
+    view_width_px: int = Field(default=_PROMPTS.view_width_px, ge=64, le=4096)
+    forward_width_px: int = Field(default=_PROMPTS.forward_width_px, ge=64, le=4096)
+    jpeg_quality: int = Field(default=_PROMPTS.jpeg_quality, ge=1, le=100)
+    show_detections: bool = _PROMPTS.show_detections
+    turn_steps: int = Field(default=_PROMPTS.turn_steps, ge=1, le=6)
+    planner_max_tokens: PositiveInt = _PROMPTS.planner_max_tokens
+    executor_max_tokens: PositiveInt = _PROMPTS.executor_max_tokens
+
+
 class Configuration(_Settings):
     """Configuration of a run.
 
@@ -118,6 +144,7 @@ class Configuration(_Settings):
         components: which parts of the agent are on.
         planner, executor: who reasons: rules, or a vision-language model.
         models: which models; None where nobody needs one.
+        prompts: what they are shown.
         memory: what is known of the building beforehand; None, as in every benchmark, for nothing.
         step_budget: environment steps per episode, STOP included; None takes the task's (260 instructions, 280 object goals).
     """
@@ -129,6 +156,7 @@ class Configuration(_Settings):
     planner: Literal["rules", "vlm"] = "rules"
     executor: Literal["rules", "vlm"] = "rules"
     models: ModelPair | None = None
+    prompts: PromptOptions = PromptOptions()
     memory: KnownBuilding | None = None
     step_budget: PositiveInt | None = None
 
