@@ -90,6 +90,23 @@ def test_another_instance_than_the_one_meant_does_not_arrive() -> None:
     assert watch.reached(Pose(1.5, 0), 0, "", (candidate(),)) is ArrivalKind.LANDMARK
 
 
+def test_what_was_in_reach_at_the_start_and_is_not_ahead_does_not_arrive_until_it_is_met_again() -> None:
+    behind, ahead, far = (
+        replace(candidate(), bearing_rad=2.4),
+        replace(candidate(), instance=1, bearing_rad=0.3),
+        replace(candidate(arrived=False), bearing_rad=2.4),
+    )
+    watch = arrival(SOFA)
+    watch.depart((behind,))
+    assert watch.reached(HERE, 0, "", (behind,)) is None
+    assert watch.reached(HERE, 0, "", (behind, ahead)) is ArrivalKind.LANDMARK
+    assert watch.reached(HERE, 0, "", (far,)) is None
+    assert watch.reached(HERE, 0, "", (behind,)) is ArrivalKind.LANDMARK
+    beside = arrival(SOFA)
+    beside.depart((ahead,))
+    assert beside.reached(HERE, 0, "", (ahead,)) is ArrivalKind.LANDMARK
+
+
 def test_a_floor_transition_is_reached_by_the_floor() -> None:
     watch = arrival(UPSTAIRS)
     assert watch.reached(HERE, 0, "stairs", (candidate(),)) is None

@@ -64,6 +64,7 @@ class Stage:
             heading_rad: egocentric direction of delta_k.
         """
         self._align(heading_rad)
+        self._arrival.depart(self._world.pool())
         end = self._budget_end()
         while end is None:  # repeat ... until: an arrival is judged after an action, so that no stage stands still
             end = self._decide_and_act() or (StageEnd.ARRIVAL if self._arrived() else self._budget_end())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 
 from spacevln.control.anchors import same_space
@@ -25,7 +26,8 @@ class StageArrival:
 
     - a floor transition: the floor has changed since the stage began;
     - a tracked landmark: its arrival flag in the landmark pool, which holds nothing but the landmark of this stage; with a
-      metric target also within ``meant_landmark_m`` of that, since another door is not the door that was meant;
+      metric target also within ``meant_landmark_m`` of that, since another door is not the door that was meant; without one,
+      not by a thing in reach from the start that does not lie ahead (:meth:`depart`);
     - a space without a landmark: entered during the stage, and at least ``past_opening_m`` inside;
     - a metric target without a landmark: within ``target_radius_m``.
 
@@ -40,6 +42,16 @@ class StageArrival:
         self._start_region = region
         self._settings = settings
         self._entered_at: Pose | None = None
+        self._left_behind: frozenset[int] = frozenset()
+
+    def depart(self, pool: LandmarkPool) -> None:
+        """The body faces the chosen direction and sets off.
+
+        What is in reach already and lies more than ``ahead_deg`` off that direction is another door, or another chair, than the
+        one that the stage heads for; while it stays in reach it is no arrival.
+        """
+        ahead_rad = math.radians(self._settings.ahead_deg)
+        self._left_behind = frozenset(each.instance for each in pool if each.arrived and abs(each.bearing_rad) > ahead_rad)
 
     def reached(self, pose: Pose, floor: int, region: str, pool: LandmarkPool) -> ArrivalKind | None:
         """The evidence of an arrival now, or None. Called after every primitive: entering a space is noticed on the way."""
@@ -50,12 +62,18 @@ class StageArrival:
         if anchor.space_kind is SpaceKind.FLOOR_TRANSITION:
             return ArrivalKind.FLOOR if floor != self._start_floor else None
         if self._subtask.landmark:
-            arrived = any(candidate.arrived for candidate in pool) and self._near_target(pose, self._settings.meant_landmark_m)
-            return ArrivalKind.LANDMARK if arrived else None
+            return ArrivalKind.LANDMARK if self._at_landmark(pose, pool) else None
         if inside:
             return ArrivalKind.SPACE
         at_target = self._subtask.target_m is not None and self._near_target(pose, self._settings.target_radius_m)
         return ArrivalKind.TARGET if at_target else None
+
+    def _at_landmark(self, pose: Pose, pool: LandmarkPool) -> bool:
+        arrived = {candidate.instance for candidate in pool if candidate.arrived}
+        if self._subtask.target_m is not None:
+            return bool(arrived) and self._near_target(pose, self._settings.meant_landmark_m)
+        self._left_behind &= arrived
+        return bool(arrived - self._left_behind)
 
     def _inside_space(self, space: str, pose: Pose, region: str) -> bool:
         """Whether the body is ``past_opening_m`` from where it came into a region of this type during this stage."""
