@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import traceback
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
@@ -11,12 +12,13 @@ from types import TracebackType
 from spacevln.agent import EpisodeResult
 from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_environment
 from spacevln.core import Environment, Event, EventSink, RecordError, SpendingLimit, UsageError
+from spacevln.evaluation import resources
 from spacevln.evaluation.baselines import ForwardWalker, OracleWalker, RandomWalker, walk
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.score import environment_failure, score
 from spacevln.memory import BuildingMemory, SavedMemory, save_memory
 from spacevln.models import ModelDesk, RunAccess
-from spacevln.recording import EpisodeRecorder, RecordLevel, ResultFile, write_file
+from spacevln.recording import EpisodeRecorder, RecordLevel, ResultFile, read_events, write_file
 from spacevln.viewer import draw_topdown
 
 MEMORY_FILE = "memory.npz"
@@ -70,11 +72,13 @@ class Session(AbstractContextManager["Session"]):
             SpendingLimit: the run has spent what it may; the episode has no result.
             UsageError: the memory to begin with is of another building, or cannot be read.
         """
-        known = self._known(episode)
+        known, cpu_begin_s = self._known(episode), time.process_time()
         recorder = EpisodeRecorder(directory, level)
         try:
             left = self._drive(episode, known, (recorder, *sinks))
-            result = score(episode, directory, restarts=restarts)
+            lines = list(read_events(directory))
+            result = score(episode, lines, restarts=restarts)
+            write_file(directory / resources.NAME, resources.measure(lines, cpu_begin_s))
             if left is not None:
                 result = result.model_copy(update=self._keep(left, episode, known, directory))
         except (RecordError, SpendingLimit):

@@ -49,8 +49,8 @@ class Queue:
         for name, scene in episodes:
             self._waiting.setdefault(scene, deque()).append(name)
 
-    def __bool__(self) -> bool:
-        return bool(self._waiting)
+    def __len__(self) -> int:
+        return sum(map(len, self._waiting.values()))
 
     def take(self, scene: str | None = None, taken: Sequence[str | None] = ()) -> str:
         """The next episode: of the same building, else of one where no other worker is, else the first."""
@@ -130,7 +130,7 @@ class ProcessPool:
 
     def outcomes(self, queue: Queue, begin: Callable[[str], int]) -> Iterator[Outcome]:
         """See :class:`Pool`."""
-        workers = [self._start() for _ in range(self.size)]
+        workers = [self._start() for _ in range(min(self.size, len(queue)))]
         try:
             while queue or any(worker.episode_id is not None for worker in workers):
                 for worker in workers:

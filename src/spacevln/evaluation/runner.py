@@ -121,7 +121,7 @@ def bench(
         UsageError: another runner works on the same episodes.
     """
     episodes = job.selection.load()
-    chosen = pool or ProcessPool(open_session, job.to_json(), min(workers, len(episodes)), deadline_s)
+    chosen = pool or ProcessPool(open_session, job.to_json(), workers, deadline_s)
     shard = "" if job.selection.shard is None else f"-{job.selection.shard[0]}-of-{job.selection.shard[1]}"
     with alone(job.directory, shard):
         run_episodes(episodes, job.directory, chosen, on_result)

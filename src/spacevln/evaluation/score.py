@@ -2,36 +2,36 @@
 
 from __future__ import annotations
 
-import math
-from pathlib import Path
+from collections.abc import Sequence
+from dataclasses import asdict
 
 import numpy as np
 
 from spacevln.core import EpisodeStatus, StopReason
 from spacevln.evaluation import metrics
 from spacevln.evaluation.episode import Episode, GroundTruth, Points
-from spacevln.recording import Metrics, ResultFile, Truth, read_events, task_fields, usage_of
+from spacevln.evaluation.judging import finite, judge
+from spacevln.recording import EventLine, Metrics, ResultFile, Truth, task_fields, usage_of
 from spacevln.recording.schema import EpisodeEndedLine, EpisodeStartedLine, FallbackUsedLine, ReplyRefusedLine, StepTakenLine
 
+DIGITS = {"NE": 4, "oracle_NE": 4}
+"""Decimals of metres in a result; shares have six."""
 
-def score(episode: Episode, directory: Path, *, restarts: int = 0) -> ResultFile:
+
+def score(episode: Episode, lines: Sequence[EventLine], *, restarts: int = 0) -> ResultFile:
     """Judge an attempt by its record.
 
     Args:
         episode: with its truth.
-        directory: of the episode's record, complete up to its ``episode_ended`` line.
+        lines: of the episode's record, complete up to its ``episode_ended`` line.
         restarts: how often the episode was begun before.
 
     Returns:
         The result; metrics that need a truth are null without one.
-
-    Raises:
-        RecordError: the record is damaged.
     """
     walked, origin = [episode.start], episode.start
     rejections = fallbacks = 0
     end: EpisodeEndedLine | None = None
-    lines = list(read_events(directory))
     for line in lines:
         match line:
             case EpisodeStartedLine():
@@ -106,26 +106,16 @@ def _result(
 
 
 def _judge(truth: GroundTruth, positions: Points, counts: Metrics, *, stopped: bool) -> tuple[Metrics, Truth]:
-    distances = truth.distances_m(positions)
-    start_m, final_m = float(distances[0]), float(distances[-1])
-    succeeded = stopped and truth.reached(positions[-1])
-    reference = truth.reference_path
+    verdict = judge(truth, positions, stopped=stopped)
+    values = {name: value for name, value in asdict(verdict).items() if name != "start_m"}
     scored = counts.model_copy(
-        update={
-            "SR": float(succeeded),
-            "SPL": round(metrics.spl(succeeded, start_m, counts.path_length), 6),
-            "OSR": float(any(truth.reached(position) for position in np.unique(positions, axis=0))),
-            "NE": round(final_m, 4) if math.isfinite(final_m) else None,
-            "nDTW": None if reference is None else round(metrics.ndtw(positions, reference), 6),
-            "SDTW": None if reference is None else round(metrics.sdtw(succeeded, positions, reference), 6),
-            "SoftSPL": round(metrics.soft_spl(start_m, final_m, counts.path_length), 6),
-        }
+        update={name: None if value is None else finite(value, DIGITS.get(name, 6)) for name, value in values.items()}
     )
     known = Truth(
         goals=_rounded(truth.goals),
         shortest_path=_rounded(truth.shortest_path),
-        geodesic_m=start_m,
-        final_distance_m=final_m,
+        geodesic_m=verdict.start_m,
+        final_distance_m=verdict.NE,
     )
     return scored, known
 

@@ -261,7 +261,9 @@ EVENT_LINE: TypeAdapter[EventLine] = TypeAdapter(EventLine)
 class Metrics(Record):
     """Metrics of one episode; null where there is no truth (a free instruction) or where the value is infinite.
 
-    ``SR``, ``SPL``, ``OSR``, ``nDTW``, ``SDTW`` and ``SoftSPL`` are 0 to 1, ``NE`` and ``path_length`` metres.
+    ``SR``, ``SPL``, ``OSR``, ``nDTW``, ``SDTW`` and ``SoftSPL`` are 0 to 1, ``NE`` and ``path_length`` metres. ``SR_no_stop`` and
+    ``SPL_no_stop`` need no STOP, ``SR_viewpoint`` and ``SR_viewpoint_1m`` are STOP within 0.25 m and 1 m of a view point of the
+    goal object: variants that are printed beside SR, never instead of it.
     """
 
     SR: float | None = None
@@ -271,6 +273,11 @@ class Metrics(Record):
     nDTW: float | None = None
     SDTW: float | None = None
     SoftSPL: float | None = None
+    oracle_NE: float | None = None
+    SR_no_stop: float | None = None
+    SPL_no_stop: float | None = None
+    SR_viewpoint: float | None = None
+    SR_viewpoint_1m: float | None = None
     path_length: float
     steps: int
     lookaround_steps: int
