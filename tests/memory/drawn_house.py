@@ -75,7 +75,7 @@ def seen_from(pose: Pose, metric_map: DrawnMap) -> list[Sighting]:
         way = np.arange(0, max(distance - 1.2, 0.1), 0.04)[:, None] / distance
         return distance < 5 and not metric_map.is_obstacle(pose.xy_m + way * (np.array(item.position_m[:2]) - pose.xy_m)).any()
 
-    return [*DOORS, *filter(in_sight, THINGS)]
+    return [*DOORS, *DOORS, *filter(in_sight, THINGS)]  # neighbouring views overlap
 
 
 def remembered(metric_map: DrawnMap, walk: tuple[tuple[Pose, str], ...] = WALK) -> SpatialCognitiveMemory:

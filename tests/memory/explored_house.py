@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from dataclasses import astuple, dataclass, field, replace
@@ -21,6 +22,7 @@ from spacevln.perception import LabelDetector, lift
 from spacevln.testing.walks import scripted_walk, turned_around
 
 CAMERA = Camera(320, 240, 79.0, 0.88)
+place_of = functools.lru_cache(maxsize=2)(load_place)
 
 
 @dataclass
@@ -69,7 +71,7 @@ class Explored:
 
 def explore(seed: int, environment: HousesEnvironment) -> Explored:
     """Walk through every room, look around, add a Spatial Waypoint at each look-around."""
-    place = load_place(f"house-{seed:06d}")
+    place = place_of(f"house-{seed:06d}")
     house, detector = place.drawable.house, LabelDetector()
     explored: Explored | None = None
 
@@ -79,11 +81,12 @@ def explore(seed: int, environment: HousesEnvironment) -> Explored:
         return replace(seen, pose=pose.relative_to(explored.start), T_world_camera=None)
 
     pending = False
-    for stand in scripted_walk(Geodesics(place.ground), seed):
+    for number, stand in enumerate(scripted_walk(Geodesics(place.ground), seed)):
         explored = explored or Explored(house, stand.pose)
         pending = pending or stand.looks_around
         if not (pending and stand.room is not None):
-            explored.metric_map.integrate(look(stand.pose))
+            if number % 2 == 0 or stand.room is None:  # every half metre, on stairs twice as often
+                explored.metric_map.integrate(look(stand.pose))
             continue
         pending = False
         views = [look(pose) for pose in turned_around(stand.pose)]

@@ -208,10 +208,22 @@ def test_a_threshold_is_known_from_its_nearest_view() -> None:
     memory = HierarchicalSpatialMemory()
     memory.thresholds.add([door((4.0, 1.6), (4.0, 2.5), distance_m=4.0)], 0)
     memory.thresholds.add([door((4.05, 1.6), (4.05, 2.5), distance_m=1.0), *DOORS[1:]], 0)
-    memory.thresholds.add([door((4.2, 1.6), (4.2, 2.5), distance_m=3.0)], 0)
+    memory.thresholds.add([door((4.2, 1.6), (4.2, 2.5), distance_m=3.0), *DOORS[1:]], 0)
     memory.thresholds.add([thing("doorway", 1, 1), replace(DOORS[0], is_passage=False)], 0)
     assert [threshold.a_m for threshold in memory.thresholds.on(0)] == [(4.05, 1.6), (6.5, 2.75), (10.05, 1.5)]
+    assert memory.thresholds.on(0)[0].views == 3
     assert memory.thresholds.on(1) == ()
+
+
+def test_a_threshold_is_believed_when_two_views_agree_and_no_narrower_one_shares_its_jamb() -> None:
+    thresholds = HierarchicalSpatialMemory().thresholds
+    narrow, wide = door((4.0, 1.6), (4.0, 2.5)), door((4.0, 1.6), (4.2, 4.5))
+    thresholds.add([wide, wide, narrow], 0)
+    assert [threshold.b_m for threshold in thresholds.on(0)] == [(4.2, 4.5)]
+    thresholds.add([narrow], 0)
+    assert [threshold.b_m for threshold in thresholds.on(0)] == [(4.0, 2.5)]
+    assert len(thresholds.believed(0)) == 1
+    assert len(list(thresholds)) == 2
 
 
 def test_the_rendered_map_is_agent_centred_heading_up_with_region_colours() -> None:

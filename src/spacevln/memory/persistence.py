@@ -108,7 +108,7 @@ class _Header(BaseModel):
     edges: tuple[Edge, ...]
     thresholds: tuple[Threshold, ...]
     complete: tuple[bool, ...]  # of each waypoint's support
-    thresholds_seen: tuple[int, ...]
+    thresholds_seen: tuple[tuple[int, ...], ...]
     joined: tuple[tuple[int, int, bool], ...]
     regions: tuple[Region, ...]
 

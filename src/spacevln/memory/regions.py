@@ -77,30 +77,33 @@ class Support:
     Args:
         cells: keys of its 0.1 m cells, sorted.
         complete: nothing unseen ended the sight; more exploring will not change it.
-        thresholds: number of thresholds known when it was seen.
+        thresholds: numbers of those believed when it was seen.
     """
 
     cells: Cells
     complete: bool
-    thresholds: int
+    thresholds: tuple[int, ...]
 
 
-def support(pose: Pose, metric_map: MemoryMap, thresholds: Sequence[Threshold]) -> Support:
+def support(pose: Pose, metric_map: MemoryMap, known: Thresholds) -> Support:
     """What can be seen of the free floor from a pose, as far as walls, thresholds and 3 m, and the floor right beside it."""
+    thresholds = known.on(metric_map.floor)
     crop = metric_map.crop(pose.xy_m, _CROP_M, 0.0)
     rows, columns = _ray_pixels(len(crop.free))
     free, wall = crop.free[rows, columns], crop.obstacle[rows, columns] & (_RANGES > 2 * CELL_M)
     seed = _RANGES <= SEED_RADIUS_M
     near = crossing_m(pose.xy_m, _DIRECTIONS, thresholds)[:, None] > _RANGES
     sight = near & (np.cumsum(wall, axis=1) == 0)
-    known = np.cumsum(~free & ~seed, axis=1) * _STEP_M <= _UNKNOWN_GAP_M
-    hidden = (sight & ~known).any(axis=1)
+    in_view = np.cumsum(~free & ~seed, axis=1) * _STEP_M <= _UNKNOWN_GAP_M
+    hidden = (sight & ~in_view).any(axis=1)
     seen = np.zeros(crop.free.shape, np.uint8)
-    inside = sight & known & (free | seed)
+    inside = sight & in_view & (free | seed)
     seen[rows[inside], columns[inside]] = 1
     pixels = np.argwhere(_grown(seen, crop.free, pose, thresholds))
     middle, cell_m = (len(seen) - 1) / 2, _CROP_M / len(seen)
-    return Support(cells_of(pose.xy_m + (middle - pixels) * cell_m), bool(hidden.mean() <= _COMPLETE_SHARE), len(thresholds))
+    return Support(
+        cells_of(pose.xy_m + (middle - pixels) * cell_m), bool(hidden.mean() <= _COMPLETE_SHARE), known.believed(metric_map.floor)
+    )
 
 
 def _grown(seen: NDArray[np.uint8], free: NDArray[np.bool_], pose: Pose, thresholds: Sequence[Threshold]) -> NDArray[np.uint8]:
@@ -192,7 +195,7 @@ class Regions:
             metric_map: of the current floor, on which every new waypoint lies.
             thresholds: seen so far.
         """
-        known = thresholds.on(metric_map.floor)
+        believed = thresholds.believed(metric_map.floor)
         latest = waypoints[-1].pose
         changed = set()
         for waypoint in waypoints:
@@ -200,9 +203,9 @@ class Regions:
             if not new:
                 old = self._supports[waypoint.index]
                 near = waypoint.pose.distance_m(latest.x_m, latest.y_m) <= REFRESH_M
-                if waypoint.floor != metric_map.floor or not near or (old.complete and old.thresholds == len(known)):
+                if waypoint.floor != metric_map.floor or not near or (old.complete and old.thresholds == believed):
                     continue
-            seen = support(waypoint.pose, metric_map, known)
+            seen = support(waypoint.pose, metric_map, thresholds)
             changed.add(waypoint.index)
             if new:
                 self._supports.append(seen)

@@ -36,7 +36,7 @@ class Stand:
 
 
 def scripted_walk(
-    geodesics: Geodesics, seed: int, *, floors: Sequence[int] | None = None, every_m: float = 2.5, rooms: int | None = None
+    geodesics: Geodesics, seed: int, *, floors: Sequence[int] | None = None, every_m: float = 3.0, rooms: int | None = None
 ) -> Iterator[Stand]:
     """Walk from room to room, the nearest unseen one next, and look around in each and every ``every_m`` between.
 
@@ -79,7 +79,10 @@ def turned_around(pose: Pose, count: int = 12) -> tuple[Pose, ...]:
 def _place_in(room: Room, walkable: Walkable, rng: np.random.Generator) -> NDArray[np.float64] | None:
     """A random place of a room that is clear of everything; None where there is none."""
     space = walkable.floors[room.floor]
-    points = np.array(space.origin_m) + (np.argwhere(space.clearance_m >= CLEARANCE_M) + 0.5) * RESOLUTION_M
+    rect = max(room.rects, key=lambda rect: rect.area)
+    rows, columns = space.cells_of(rect)
+    clear = np.argwhere(space.clearance_m[rows, columns] >= CLEARANCE_M)
+    points = np.array(space.centre(rows.start, columns.start)) + clear * RESOLUTION_M
     z = walkable.house.floors[room.floor].z_m
     inside = [(x, y) for x, y in points.tolist() if room.contains(x, y, CLEARANCE_M) and walkable.stairs_at(x, y, z) is None]
     return np.array([*inside[int(rng.integers(len(inside)))], z]) if inside else None
