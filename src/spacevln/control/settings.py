@@ -20,8 +20,8 @@ class ControlSettings:
             cell [m]. [ours]
         past_opening_m: how far inside a space it counts as reached [m]. [ours]
         meant_landmark_m: how near a metric target must be for the arrival at the landmark beside it [m]. [ours]
-        ahead_deg: how far off the chosen direction a landmark that is in reach from the start may lie to be the one meant, where no
-            metric target tells [deg]. [ours]
+        ahead_deg: how far off the chosen direction a landmark that is in reach from the start may lie to be the one meant,
+            where no metric target tells [deg]. [ours]
         target_radius_m: radius around a metric target without a landmark [m]. [authors' code]
         floor_change_m: height difference that counts as another floor [m]. [authors' code]
         stable_boundaries: planning boundaries in a row that make a final arrival stable. [authors' code]

@@ -83,9 +83,9 @@ class ExecutorPrompt:
             candidates=[wording.candidate_words(candidate) for candidate in context.pool],
             moves=[wording.move_words(decision) for decision in context.progress.decisions],
             decisions_left=context.decisions_left,
-            left=pictures.distance_words(obstacles.left_30_m),
-            front=pictures.distance_words(obstacles.front_m),
-            right=pictures.distance_words(obstacles.right_30_m),
+            left=pictures.obstacle_words(obstacles.left_30_m),
+            front=pictures.obstacle_words(obstacles.front_m),
+            right=pictures.obstacle_words(obstacles.right_30_m),
             admissible=list(admissible_words(context.admissible, self.choices)),
             reasons=context.admissible.reasons,
         )

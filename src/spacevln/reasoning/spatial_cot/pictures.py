@@ -18,6 +18,7 @@ Picture = NDArray[np.uint8]
 BLOCKED: Colour = (176, 24, 32)
 NARROW: Colour = (156, 92, 0)
 BLOCKED_M, NARROW_M = 0.5, 1.0  # distances below these are written in their colours [authors' code]
+REACH_M = 5.0  # of the depth that is trusted [paper]
 BAND_PX = 24  # of white above a picture, for its words
 SHOWN_SIGHTINGS = 3  # of a view; the nearest ones
 SAME_THING_M = 0.8  # between a sighting and the fused position of its landmark
@@ -26,9 +27,11 @@ MOSAIC_COLUMNS = 4
 MOSAIC_GAP_PX = 4
 
 
-def distance_words(distance_m: float) -> str:
-    """``"2.1 m"``; what is beyond the sensor's reach is ``"over 5 m"``."""
-    return f"{distance_m:.1f} m" if math.isfinite(distance_m) and distance_m < 5.0 else "over 5 m"
+def obstacle_words(distance_m: float) -> str:
+    """Rounded down, so that nothing looks freer than it is: ``"2.1 m"``, ``"0.4 m, blocked"``, ``"over 5 m"``."""
+    if not math.isfinite(distance_m) or distance_m >= REACH_M:
+        return f"over {REACH_M:.0f} m"
+    return f"{math.floor(distance_m * 10) / 10:.1f} m{', blocked' if distance_m < BLOCKED_M else ''}"
 
 
 def bearing_words(bearing_rad: float) -> str:
@@ -56,7 +59,7 @@ def view_picture(view: View, width_px: int, *, detections: bool) -> Picture:
             name = full_name(sighting.category, sighting.attributes)
             _draw_box(picture, sighting, scale, f"{name} {sighting.distance_m:.1f} m")
     _write(canvas, 0.0, view.label.upper(), INK)
-    _write(canvas, 1.0, f"obstacle {distance_words(view.obstacle_m)}", _tone(view.obstacle_m))
+    _write(canvas, 1.0, f"obstacle {obstacle_words(view.obstacle_m)}", _tone(view.obstacle_m))
     return canvas
 
 
@@ -87,10 +90,7 @@ def forward_picture(
     """
     canvas, picture, scale = _canvas(observation.rgb, width_px)
     for sighting in sightings:
-        name = full_name(sighting.category, sighting.attributes)
-        words = f"{name} {sighting.distance_m:.1f} m, {bearing_words(sighting.bearing_rad)}"
-        number = _number_in(pool, sighting)
-        _draw_box(picture, sighting, scale, words if number is None else f"[{number}] {words}")
+        _draw_box(picture, sighting, scale, _landmark_words(sighting, pool))
     sectors = (
         ("left 30", 30.0, obstacles.left_30_m),
         ("front", 0.0, obstacles.front_m),
@@ -98,7 +98,7 @@ def forward_picture(
     )
     for name, left_deg, distance_m in sectors:
         column = _column(observation.camera, left_deg) * scale
-        _write(canvas, column / canvas.shape[1], f"{name}: {distance_words(distance_m)}", _tone(distance_m))
+        _write(canvas, column / canvas.shape[1], f"{name}: {obstacle_words(distance_m)}", _tone(distance_m))
         cv2.line(picture, (round(column), 0), (round(column), 9), PLATE, 2)
     return canvas
 
@@ -139,11 +139,17 @@ def _column(camera: Camera, left_deg: float) -> float:
     return camera.cx_px - camera.fx_px * math.tan(math.radians(left_deg))
 
 
-def _number_in(pool: LandmarkPool, sighting: Sighting) -> int | None:
-    """Place in the pool, from 1, of the candidate that this sighting shows."""
+def _landmark_words(sighting: Sighting, pool: LandmarkPool) -> str:
+    """Name, distance and bearing of a box: those of the pool's candidate that it shows, after its number, so that both agree."""
     reach_m = SAME_THING_M + sighting.extent_m / 4
-    apart = ((math.dist(each.position_m[:2], sighting.position_m[:2]), place) for place, each in enumerate(pool, start=1))
-    return min((item for item in apart if item[0] <= reach_m), default=(0.0, None))[1]
+    apart = [math.dist(each.position_m[:2], sighting.position_m[:2]) for each in pool]
+    place = min(range(len(pool)), key=apart.__getitem__, default=-1)
+    if place < 0 or apart[place] > reach_m:
+        name = full_name(sighting.category, sighting.attributes)
+        return f"{name} {sighting.distance_m:.1f} m, {bearing_words(sighting.bearing_rad)}"
+    shown = pool[place]
+    name = full_name(shown.category, shown.attributes)
+    return f"[{place + 1}] {name} {shown.distance_m:.1f} m, {bearing_words(shown.bearing_rad)}"
 
 
 def _draw_box(picture: Picture, sighting: Sighting, scale: float, words: str) -> None:

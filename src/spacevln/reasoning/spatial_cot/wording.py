@@ -20,7 +20,7 @@ from spacevln.core import (
 )
 from spacevln.reasoning.spatial_cot.actions import words_of
 from spacevln.reasoning.spatial_cot.names import full_name, quoted
-from spacevln.reasoning.spatial_cot.pictures import bearing_words, distance_words, nearest_sightings
+from spacevln.reasoning.spatial_cot.pictures import bearing_words, nearest_sightings, obstacle_words
 
 STATUS = {AnchorStatus.VERIFIED: "done", AnchorStatus.CURRENT: "here", AnchorStatus.PENDING: "ahead"}
 
@@ -74,7 +74,8 @@ def move_words(decision: ExecutedDecision) -> str:
     asked = words_of(decision.asked, decision.purpose)
     if decision.purpose is not None:
         return f"{asked}: turned {_turn_words(decision.turned_rad)}"
-    return f"{asked}: moved {decision.moved_m:.2f} m{', then blocked' if decision.stalled else ''}"
+    cut = ", then blocked" if decision.stalled else ", then cut short by the end of the stage" if decision.interrupted else ""
+    return f"{asked}: moved {decision.moved_m:.2f} m{cut}"
 
 
 def _turn_words(turned_rad: float) -> str:
@@ -89,7 +90,7 @@ def pool_words(pool: LandmarkPool, landmark: str) -> str:
     if not pool:
         return f"{quoted(landmark)} was never seen in this stage."
     return "; ".join(
-        f"{quoted(full_name(candidate.category, candidate.attributes))} {distance_words(candidate.distance_m)} away, "
+        f"{quoted(full_name(candidate.category, candidate.attributes))} {candidate.distance_m:.1f} m away, "
         f"{egocentric_label(candidate.bearing_rad)}{', arrived' if candidate.arrived else ''}"
         for candidate in pool
     )
@@ -99,16 +100,16 @@ def candidate_words(candidate: LandmarkCandidate) -> str:
     """One entry of the landmark pool for the executor."""
     return (
         f"{quoted(full_name(candidate.category, candidate.attributes))}: {'visible' if candidate.visible else 'remembered'}, "
-        f"{distance_words(candidate.distance_m)}, {bearing_words(candidate.bearing_rad)}, "
+        f"{candidate.distance_m:.1f} m, {bearing_words(candidate.bearing_rad)}, "
         f"confidence {candidate.confidence:.2f}, {'arrived' if candidate.arrived else 'not arrived'}"
     )
 
 
 def view_words(view: View, *, detections: bool) -> str:
     """One line about a view: ``left 30: obstacle 2.1 m; detected "sofa" 2.3 m``."""
-    words = f"{view.label}: obstacle {distance_words(view.obstacle_m)}"
+    words = f"{view.label}: obstacle {obstacle_words(view.obstacle_m)}"
     nearest = nearest_sightings(view) if detections else []
     if nearest:
-        seen = ", ".join(f"{quoted(full_name(s.category, s.attributes))} {distance_words(s.distance_m)}" for s in nearest)
+        seen = ", ".join(f"{quoted(full_name(s.category, s.attributes))} {s.distance_m:.1f} m" for s in nearest)
         words += f"; detected {seen}"
     return words
