@@ -7,35 +7,34 @@ import os
 import platform
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 import click
 
 from spacevln import __version__
+from spacevln.cli.doctor_models import keys, model_findings
+from spacevln.cli.findings import Finding
+from spacevln.cli.model_options import choice_options
 from spacevln.core import PrerequisiteError, UsageError
 
 BASE = ("mujoco", "numba", "numpy", "opencv-python-headless", "pydantic", "scipy")
 EXTRAS = (
+    ("openai", "vlm", "vision-language models as planner and executor"),
     ("gymnasium", "gym", "the Gymnasium environment spacevln/Houses-v0"),
     ("trimesh", "export", "writing houses as .glb files"),
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One line of the report: ``ok``, ``note`` (works, could be better) or ``missing`` (something will not work)."""
-
-    state: str
-    what: str
-    mend: str = ""
-
-
 @click.command()
-def doctor() -> int:
-    """Say what is installed, what is missing, and the command that mends it."""
-    findings = [*_python(), *_packages(), *_renderer(), *_storage(), *_extras()]
+@choice_options
+def doctor(**options: Any) -> int:
+    """Say what is installed, reachable and missing, and the command that mends it.
+
+    With --model, the model is asked one small question with a picture.
+    """
+    findings = [*_python(), *_packages(), *_renderer(), *_storage(), *_extras(), *keys(), *model_findings(options)]
     marks = {"ok": click.style("ok     ", fg="green"), "note": click.style("note   ", fg="yellow")}
     missing = click.style("missing", fg="red")
     for finding in findings:

@@ -44,9 +44,17 @@ class ModeMemory:
         """Keep it for the next process. A folder that cannot be written only means that it is found out again."""
         self._here[f"{url} {model}"] = mode.value
         known = self._load()
-        if known.get(f"{url} {model}") == mode.value:
-            return
-        known[f"{url} {model}"] = mode.value
+        if known.get(f"{url} {model}") != mode.value:
+            self._save(known | {f"{url} {model}": mode.value})
+
+    def forget(self, url: str, model: str) -> None:
+        """Find it out again at the next call."""
+        self._here.pop(f"{url} {model}", None)
+        known = self._load()
+        if known.pop(f"{url} {model}", None) is not None:
+            self._save(known)
+
+    def _save(self, known: dict[str, str]) -> None:
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             with tempfile.NamedTemporaryFile("w", dir=self._path.parent, delete=False, encoding="utf-8") as file:

@@ -74,18 +74,6 @@ class OpenAICompatibleModel:
         )
         return usable(answer, reply, request.max_tokens)
 
-    def find_mode(self, request: ChatRequest) -> ReplyMode:
-        """The strictest reply shape that the server accepts, found out now whatever is remembered (for ``doctor``).
-
-        Raises:
-            ModelError: it cannot be reached or refuses every shape.
-        """
-        try:
-            _, _, mode = self._step_down(request, self._profile.best_mode)
-        except CallFailed as failure:
-            raise ModelError(f"{self.name} refused the request ({failure.kind}): {failure.detail}.") from failure
-        return mode
-
     def _ask_in_known_mode(self, request: ChatRequest) -> tuple[tuple[Answer, float | None], int, ReplyMode]:
         if request.reply_schema is None:
             return (*self._ask(request, ReplyMode.TEXT), ReplyMode.TEXT)

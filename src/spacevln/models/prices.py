@@ -41,6 +41,9 @@ class TokenPrice(_Price):
         total = fresh * self.input + usage.cached_tokens * cached + usage.cache_write_tokens * written
         return (total + usage.output_tokens * self.output) / MILLION
 
+    def __str__(self) -> str:
+        return f"{self.input:g} in, {self.output:g} out USD per million tokens"
+
 
 class HourlyPrice(_Price):
     """A server of one's own: what it costs to keep it, shared by the calls that it answers side by side.
@@ -58,6 +61,9 @@ class HourlyPrice(_Price):
         """Cost of the time that one call took."""
         del usage
         return self.usd_per_hour * latency_s / 3600 / self.parallel
+
+    def __str__(self) -> str:
+        return f"{self.usd_per_hour:g} USD per hour over {self.parallel} calls side by side"
 
 
 PriceRule = Annotated[TokenPrice | HourlyPrice, Field(discriminator="kind")]

@@ -82,7 +82,8 @@ class Retrier(Generic[T]):
                 wait_s = self._wait(attempt, failure)
                 last = f"the last because of {failure.kind}: {failure.detail}"
                 if attempt == self.settings.attempts:
-                    raise ModelError(f"All {attempt} requests to the model failed, {last}.") from failure
+                    many = "The request" if attempt == 1 else f"All {attempt} requests"
+                    raise ModelError(f"{many} to the model failed, {last}.") from failure
                 if self.timing.clock() + wait_s >= deadline:
                     raise ModelError(
                         f"The model gave no reply within {self.settings.total_s:.0f} s ({attempt} requests, {last})."
