@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import click
 
 from spacevln.cli.model_options import REASONERS, access_options, choice_options, models_from
+from spacevln.cli.prompt_options import ablation_options, components_from, prompt_options, prompts_from
 
 if TYPE_CHECKING:
     from spacevln.assembly import Configuration
 
 F = TypeVar("F", bound=Callable[..., Any])
-
-COMPONENTS = ("hsm", "landmark_memory", "planner_scot", "executor_scot", "stagewise")
 
 
 def agent_options(command: F) -> F:
@@ -26,7 +25,8 @@ def agent_options(command: F) -> F:
             click.option("--executor", type=REASONERS, default=None, help="Who acts, if not the planner's kind."),
             choice_options,
             access_options,
-            click.option("--without", multiple=True, type=click.Choice(COMPONENTS), help="Switch a component off (ablation)."),
+            ablation_options,
+            prompt_options,
             click.option("--renderer", type=click.Choice(["auto", "gl", "raycast"]), default="auto", show_default=True),
             click.option(
                 "--sliding/--no-sliding", default=True, show_default=True, help="Slide along obstacles, as VLN-CE does."
@@ -49,12 +49,7 @@ Reasoner = Literal["rules", "vlm"]
 
 def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Configuration:
     """The configuration that these options say, with the renderer that this machine will really use."""
-    from spacevln.assembly import (
-        ComponentSettings,
-        Configuration,
-        HousesSettings,
-        LabelDetectorSettings,
-    )
+    from spacevln.assembly import Configuration, HousesSettings, LabelDetectorSettings
     from spacevln.environments.houses.rendering import renderer_info
 
     models = models_from(options)
@@ -65,10 +60,11 @@ def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Con
         driver=driver,
         environment=HousesSettings(renderer=renderer_info(options["renderer"]).name, sliding=options["sliding"]),
         detector=LabelDetectorSettings(miss_rate=options["miss_rate"], confusion_rate=options["confusion_rate"]),
-        components=ComponentSettings(**dict.fromkeys(options["without"], False)),
+        components=components_from(options, planner, executor),
         planner=planner,
         executor=executor,
         models=models,
+        prompts=prompts_from(options),
         step_budget=options["steps"],
     )
 
