@@ -12,6 +12,7 @@ from spacevln.assembly.configuration import (
 )
 from spacevln.assembly.presets import ABLATIONS, PAPER, ablation_of
 from spacevln.assembly.registration import RegisteredEnvironment
+from spacevln.assembly.situations import RecordedSituations
 
 __all__ = [
     "ABLATIONS",
@@ -23,6 +24,7 @@ __all__ = [
     "LabelDetectorSettings",
     "ModelPair",
     "PromptOptions",
+    "RecordedSituations",
     "RegisteredEnvironment",
     "ablation_of",
     "build_agent",
