@@ -12,6 +12,7 @@ from spacevln import __version__
 from spacevln.cli.bench import bench
 from spacevln.cli.doctor import doctor
 from spacevln.cli.houses import houses
+from spacevln.cli.prompt import prompt
 from spacevln.cli.replay import replay
 from spacevln.cli.run import run
 from spacevln.core import PrerequisiteError, SpaceVLNError, SpendingLimit, UsageError
@@ -28,6 +29,7 @@ def cli() -> None:
     spacevln run                         watch an agent follow an instruction through a furnished house
     spacevln bench houses-vln            measure it on many houses
     spacevln replay RECORD               rerun a recorded episode offline, from its stored replies
+    spacevln prompt RECORD STAGE         show what a model was asked there, or would have been
     spacevln doctor                      what is installed, what is missing, and the command that mends it
     """  # noqa: D301 - click reads the backspace as "keep these lines"
 
@@ -35,6 +37,7 @@ def cli() -> None:
 cli.add_command(run)
 cli.add_command(bench)
 cli.add_command(replay)
+cli.add_command(prompt)
 cli.add_command(houses)
 cli.add_command(doctor)
 
