@@ -155,6 +155,8 @@ class Sighting:
         pixels: number of mask pixels with depth.
         surface_m: a few horizontal points (x, y) of the seen surface, nearest of each direction; of a passage, points across
             its threshold from jamb to jamb, the first and the last being the jambs.
+        relief: of stairs: (x, y, z, nx, ny, nz) spread over the seen surface, its points [m] and unit normals; a flight is told
+            by how it rises.
     """
 
     category: str
@@ -168,3 +170,4 @@ class Sighting:
     is_passage: bool = False
     pixels: int = 0
     surface_m: tuple[tuple[float, float], ...] = ()
+    relief: tuple[tuple[float, float, float, float, float, float], ...] = ()

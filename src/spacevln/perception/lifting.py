@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -24,6 +25,9 @@ SAMPLES = 300  # of them used for a place
 INSET_SHARE = 0.08  # of the box's smaller side, between 1 and 8 px
 NEAREST_PERCENTILE = 5.0
 SURFACE_POINTS = 8
+RELIEF_TRIED, RELIEF_POINTS = 2000, 150  # of stairs
+RELIEF_PX = 2  # normals are taken over this many pixels to each side
+SMOOTH_M = 0.01  # a surface that bends more within them is an edge
 PASSAGE_DEPTH_M = 0.4  # depth beyond the jambs that makes an opening a passage [ours]
 HOLLOW_SHARE = 0.3  # of the middle of the box that the mask of a frame may cover
 
@@ -56,7 +60,38 @@ def _lift_solid(observation: Observation, detection: Detection) -> Sighting | No
     kept = spread <= 3 * _median(spread) + 0.15
     points = _to_world(observation, u[kept], v[kept], depth[kept])
     middle = len(points) // 2
-    return _sighting(observation, detection, np.partition(points, middle, axis=0)[middle], points, pixels)
+    sighting = _sighting(observation, detection, np.partition(points, middle, axis=0)[middle], points, pixels)
+    if cue_kind(detection.category) is not CueKind.STAIRS:
+        return sighting
+    return replace(sighting, relief=_relief(observation, detection))
+
+
+def _relief(observation: Observation, detection: Detection) -> tuple[tuple[float, float, float, float, float, float], ...]:
+    """Points and normals where the surface is smooth: steps, but neither their edges nor the posts of a railing."""
+    depth = observation.depth_m
+    height, width = depth.shape
+    x0, y0, x1, y1 = detection.box_px
+    mask = detection.mask if detection.mask is not None else _centre((y1 - y0, x1 - x0))
+    row, column = np.nonzero(mask & (depth[y0:y1, x0:x1] > 0) & (depth[y0:y1, x0:x1] < np.inf))
+    stride = max(1, len(row) // RELIEF_TRIED)
+    row, column = row[::stride] + y0, column[::stride] + x0
+    inside = (column >= RELIEF_PX) & (column < width - RELIEF_PX) & (row >= RELIEF_PX) & (row < height - RELIEF_PX)
+    row, column = row[inside], column[inside]
+
+    def at(i: int, j: int) -> Float:
+        return _to_world(observation, column + i, row + j, depth[row + j, column + i].astype(np.float64))
+
+    middle = at(0, 0)
+    left, right, above, below = at(-RELIEF_PX, 0), at(RELIEF_PX, 0), at(0, -RELIEF_PX), at(0, RELIEF_PX)
+    bend = np.maximum(np.abs(left + right - 2 * middle).max(axis=1), np.abs(above + below - 2 * middle).max(axis=1))
+    normals = np.cross(above - below, right - left)
+    length = np.sqrt((normals**2).sum(axis=1))
+    smooth = (bend < SMOOTH_M) & (length > 0)
+    points, normals = middle[smooth], normals[smooth] / length[smooth, None]
+    away = ((points - observation.T_world_camera[:3, 3]) * normals).sum(axis=1) > 0
+    normals[away] *= -1.0  # out of the surface, towards the eye
+    kept = np.hstack([points, normals])[:: max(1, len(points) // RELIEF_POINTS)]
+    return tuple((float(x), float(y), float(z), float(a), float(b), float(c)) for x, y, z, a, b, c in kept)
 
 
 def _lift_opening(observation: Observation, detection: Detection) -> Sighting | None:

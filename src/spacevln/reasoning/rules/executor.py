@@ -26,6 +26,7 @@ Float = NDArray[np.float64]
 TURN_DEG = 30.0
 TURN_BACK_DEG = 120.0  # two such turns in a stage gain nothing
 ARRIVED_M = 0.3
+OTHER_STOREY_M = 0.5
 OFF_PATH_COST = 1.2
 TURN_COST_M = 0.12
 MIN_GAIN_M = -0.4
@@ -50,16 +51,23 @@ class RuleExecutor:
         remaining = pose.distance_m(float(target[0]), float(target[1]))
         if remaining <= ARRIVED_M:
             return _reply(context, Stop(), None, candidate, f"the target is {remaining:.2f} m away: the stage is done")
-        way = comfortable_way(context.space, pose, (float(target[0]), float(target[1])))
-        known = way is not None
+        way = self._way(context, target)
         path = way if way is not None else np.stack([pose.xy_m, target])
         action, purpose = self._follow(context, path)
         if _turns_back(action) and any(_turns_back(decision.asked) for decision in context.progress.decisions):
             return _reply(context, Stop(), None, candidate, "the way leads to and fro: back to the planner")
         words = (
-            f"target {remaining:.2f} m away, {'on the known way' if known else 'no known way: straight on'}: {describe(action)}"
+            f"target {remaining:.2f} m away, {'no known way: straight on' if way is None else 'on its way'}: {describe(action)}"
         )
-        return _reply(context, action, purpose, candidate, words, () if known else ("straight_line",))
+        return _reply(context, action, purpose, candidate, words, ("straight_line",) if way is None else ())
+
+    @staticmethod
+    def _way(context: ExecutorContext, target: Float) -> Float | None:
+        """The way to the target; to another storey it is the flight, which the map of this one shows as an obstacle."""
+        pose, subtask = context.observation.pose, context.subtask
+        if subtask.target_m is not None and abs(subtask.target_m[2] - pose.z_m) > OTHER_STOREY_M:
+            return np.stack([pose.xy_m, target])
+        return comfortable_way(context.space, pose, (float(target[0]), float(target[1])))
 
     def _without_target(self, context: ExecutorContext, candidate: LandmarkCandidate | None) -> ExecutorReply:
         forward = context.admissible.forward_m

@@ -25,14 +25,13 @@ from spacevln.core import (
     Verdict,
 )
 from spacevln.language import Clause, cue_kind, known_categories, norm, region_kind
-from spacevln.language.nouns_lexicon import STAIRS
-from spacevln.reasoning.rules.flights import flight_of
+from spacevln.reasoning.rules.flights import Crossing
 from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, reachable_goal, way_length_m
 from spacevln.reasoning.rules.object_goal import at_goal, find_object
-from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses
+from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses, with_implied_climb
 from spacevln.reasoning.rules.search import Hypothesis, Search, worth
 from spacevln.reasoning.rules.sightings import XY
-from spacevln.reasoning.rules.state import Crossing, EpisodeState
+from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.thought import describe_here, observation_text, progress_text
 from spacevln.reasoning.rules.world import World
 
@@ -42,7 +41,7 @@ FAILURE_COST = 0.8
 OTHER_FLOOR_M = 6.0
 LEAST_AGREEMENT = 0.3  # of the clauses' weights, that a stop place must have while steps are left to look on
 LAST_STEPS = 45
-AT_ENTRY_M = 0.7  # this near to a flight's open end one may step onto it
+SAME_ENTRY_M = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +55,7 @@ class Goal:
         final: the goal itself.
         reason: in words.
         fallbacks: substitutes taken.
-        straight: the way is a flight of stairs: straight on, known or not.
+        flight_to_m: the far end (x, y, z) of the flight of stairs on which the way leads; None elsewhere.
     """
 
     xy: XY
@@ -66,7 +65,7 @@ class Goal:
     final: bool
     reason: str
     fallbacks: tuple[str, ...] = ()
-    straight: bool = False
+    flight_to_m: tuple[float, float, float] | None = None
 
 
 class RulePlanner:
@@ -96,14 +95,7 @@ class RulePlanner:
             self._clauses = route_clauses(context.task.instruction)
         state = self._state
         if context.rejections:
-            world = World(
-                state.sightings,
-                state.grids,
-                context.memory.frontiers if context.memory else (),
-                state.floor_of(context),
-                state.links,
-                state.visited,
-            )
+            world = state.world(context, state.floor_of(context))
             reached = False
         else:
             reached = state.judge_last_stage(context, state.floor_of(context))
@@ -130,31 +122,30 @@ class RulePlanner:
 
     def _crossing(self, context: PlannerContext) -> Goal | None:
         """On a flight, the goal is its far end, until one stands there."""
-        state = self._state
+        state, floor = self._state, self._state.floor_of(context)
         if state.crossing is None:
             return None
         if not context.rejections and not state.crossing.go_on(context.pose):
-            state.crossing = None
+            state.end_crossing(floor, context.pose)
             return None
-        floor, anchor = state.floor_of(context), Anchor("landing", SpaceKind.CONNECTOR)
-        return Goal(state.crossing.far, floor, anchor, (self._final(context),), False, "the flight goes on", straight=True)
+        return self._along(state.crossing, floor, (self._final(context),), "the flight goes on")
+
+    @staticmethod
+    def _along(crossing: Crossing, floor: int, rest: tuple[Anchor, ...], reason: str) -> Goal:
+        return Goal(crossing.far, floor, crossing.anchor, rest, False, reason, flight_to_m=crossing.target_m)
 
     def _onto_stairs(self, context: PlannerContext, world: World, goal: Goal) -> Goal:
         """Stairs are first approached at their open end and then walked to the other one."""
         if goal.anchor.space_kind is not SpaceKind.FLOOR_TRANSITION:
             return goal
-        here = (context.pose.x_m, context.pose.y_m)
-        seen = [thing for thing in world.sightings.things if thing.category in STAIRS and thing.floor == world.floor]
-        if not seen:
-            return goal
-        stairs = min(seen, key=lambda thing: math.dist(thing.xy, goal.xy))
-        flight = flight_of(stairs, context.space, here)
-        if flight is None:
-            return goal
-        if math.dist(here, flight.entry) > AT_ENTRY_M:
-            return replace(goal, xy=flight.entry, anchor=Anchor("foot of the stairs", SpaceKind.CONNECTOR))
-        self._state.crossing = Crossing(flight.far, context.pose, context.pose)
-        return replace(goal, xy=flight.far, straight=True)
+        near = [flight for flight in world.flights_on(world.floor) if math.dist(flight.entry, goal.xy) < SAME_ENTRY_M]
+        if not near:
+            return replace(goal, anchor=Anchor("sight of the stairs", SpaceKind.CONNECTOR))
+        flight = min(near, key=lambda flight: math.dist(flight.entry, goal.xy))
+        if not flight.is_before((context.pose.x_m, context.pose.y_m)):
+            return replace(goal, xy=flight.entry, anchor=Anchor("entry of the stairs", SpaceKind.CONNECTOR))
+        self._state.crossing = Crossing(flight.far, flight.leads, world.floor, context.pose, context.pose)
+        return self._along(self._state.crossing, world.floor, goal.rest, goal.reason)
 
     def _final(self, context: PlannerContext) -> Anchor:
         match context.task:
@@ -164,7 +155,7 @@ class RulePlanner:
                 return Anchor("", SpaceKind.UNKNOWN, name, cue_kind(name))
 
     def _route_goal(self, context: PlannerContext, world: World) -> Goal:
-        clauses = self._clauses or ()
+        clauses = with_implied_climb(self._clauses or (), world.leads_from(self._state.start[0] if self._state.start else 0))
         search = Search(world, clauses, context.steps_left)
         hypotheses = search.run(self._state.start_node(world))
         least = LEAST_AGREEMENT * sum(map(worth, clauses))
@@ -192,7 +183,10 @@ class RulePlanner:
     def _worth(self, context: PlannerContext, hypothesis: Hypothesis) -> float:
         here = hypothesis.floor == self._state.floor_of(context)
         way = way_length_m(context, hypothesis.goal) if here else OTHER_FLOOR_M
-        return hypothesis.value - WALK_COST_PER_M * way - FAILURE_COST * self._state.failed(hypothesis.floor, hypothesis.goal)
+        vain = self._state.failed(hypothesis.floor, hypothesis.goal)
+        if not hypothesis.complete and hypothesis.kind != "stairs":
+            vain += self._state.spent(hypothesis.floor, hypothesis.goal)
+        return hypothesis.value - WALK_COST_PER_M * way - FAILURE_COST * vain
 
     def _goal_of(self, best: Hypothesis, clauses: tuple[Clause, ...], world: World) -> Goal:
         final = final_anchor(clauses)
@@ -261,10 +255,10 @@ class RulePlanner:
         else:
             following = goal.anchor
             chain, index = (*verified, goal.anchor, *goal.rest), len(verified) - 1
-        target, known = (goal.xy, True) if goal.straight else reachable_goal(context, world.grids[world.floor], goal.xy)
+        target, known = (goal.xy, True) if goal.flight_to_m else reachable_goal(context, world.grids[world.floor], goal.xy)
         fallbacks = goal.fallbacks if known else (*goal.fallbacks, "loose_way")
         straight = context.pose.bearing_rad(*target)
-        bearing = straight if goal.straight else bearing_of_way(context, world.grids[world.floor], target)
+        bearing = straight if goal.flight_to_m else bearing_of_way(context, world.grids[world.floor], target)
         view = choose_view(context, bearing)
         state.target = (goal.floor, goal.xy)
         state.target_is_goal = math.dist(target, goal.xy) < ARRIVED_M
@@ -273,14 +267,14 @@ class RulePlanner:
         subtask = Subtask(
             chain=chain,
             current_index=index,
-            current_anchor=here,
+            current_anchor=goal.anchor if complete and goal.anchor.space_kind is SpaceKind.CONNECTOR else here,
             next_anchor=following,
             direction=view.label,
             instruction="" if following is None else f"Go {view.label} to the {following}; {goal.reason}.",
             landmark=landmark,
             complete=complete,
             verdict=self._verdict(context, reached),
-            target_m=None if following is None else (target[0], target[1], context.pose.z_m),
+            target_m=None if following is None else goal.flight_to_m or (target[0], target[1], context.pose.z_m),
         )
         thought = PlannerThought(
             observation=observation_text(context),

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import replace
 
 from spacevln.core import Anchor, ModelError, SpaceKind
-from spacevln.language import Clause, ClauseType, NounKind, cue_kind, known_categories, parse, region_kind
+from spacevln.language import Clause, ClauseType, NounKind, NounPhrase, cue_kind, known_categories, parse, region_kind
 
 T = ClauseType
 MAX_CLAUSES = 24
@@ -40,6 +41,29 @@ def route_clauses(instruction: str) -> tuple[Clause, ...]:
     return tuple(clauses[: MAX_CLAUSES - 1] + clauses[-1:] if len(clauses) > MAX_CLAUSES else clauses)
 
 
+def with_implied_climb(clauses: tuple[Clause, ...], leads: Set[str]) -> tuple[Clause, ...]:
+    """With the climb that "stop at the top of the stairs" asks for on the floor at their foot.
+
+    Args:
+        leads: where stairs lead from the floor of the start.
+    """
+    if any(clause.type is T.STAIRS for clause in clauses):
+        return clauses
+    at = next((i for i, clause in enumerate(clauses) if part_of_stairs(clause.place)), None)
+    if at is None or (wanted := REACHED_BY[part_of_stairs(clauses[at].place)]) not in leads or len(leads) > 1:
+        return clauses
+    return (*clauses[:at], Clause(T.STAIRS, "", vertical=wanted), *clauses[at:])
+
+
+def part_of_stairs(phrase: NounPhrase | None) -> str:
+    """Which end of a flight a phrase names: ``"top"``, ``"bottom"``, ``"foot"``, ``"base"`` or ``""``."""
+    return phrase.part if phrase is not None and phrase.kind is NounKind.STAIRS and phrase.part in REACHED_BY else ""
+
+
+REACHED_BY = {"top": "up", "bottom": "down", "foot": "down", "base": "down"}
+"""How one comes to an end of a flight from its other end."""
+
+
 def _says_nothing(clause: Clause) -> bool:
     """A bare mention of something that the lexicon does not know."""
     phrase = clause.place
@@ -55,6 +79,8 @@ def anchor_of(clause: Clause) -> Anchor | None:
         return None
     if clause.type is T.LEAVE and phrase.kind is not NounKind.OPENING:
         return Anchor(f"way out of the {phrase.head}", SpaceKind.CONNECTOR)
+    if part_of_stairs(phrase):
+        return Anchor(f"{phrase.part} of the stairs", SpaceKind.CONNECTOR)
     if clause.type is T.STAIRS or (phrase.kind is NounKind.STAIRS and clause.vertical):
         return Anchor(f"stairs {clause.vertical}".strip(), SpaceKind.FLOOR_TRANSITION)
     if phrase.kind is NounKind.REGION:

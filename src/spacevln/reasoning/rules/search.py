@@ -17,6 +17,7 @@ import numpy as np
 from spacevln.language import Clause, ClauseType, NounKind
 from spacevln.reasoning.rules.legs import Leg, Node
 from spacevln.reasoning.rules.matching import WEIGHT, Matcher, thing_fits
+from spacevln.reasoning.rules.route import REACHED_BY, part_of_stairs
 from spacevln.reasoning.rules.sightings import XY, Thing
 from spacevln.reasoning.rules.world import World
 
@@ -34,6 +35,7 @@ SLACK_M = 1.0
 LEG_COST_PER_M = 0.01
 NO = -math.inf
 APPROACH_M = 0.65
+CLIMBED = -10  # and less: the node's "portal" is a flight of stairs
 
 Vector = tuple[float, ...]
 
@@ -204,12 +206,12 @@ class Search:
                 (link.floor, link.xy, link.other_floor, link.other_xy, link.yaw_rad),
                 (link.other_floor, link.other_xy, link.floor, link.xy, link.yaw_rad + math.pi),
             ):
-                if floor != node.floor or node.portal == -10 - number or self.world.room_at(floor, xy, 0.8) != node.room:
+                if floor != node.floor or node.portal == CLIMBED - number or self.world.room_at(floor, xy, 0.8) != node.room:
                     continue
                 leg = self.world.leg(node, xy, "stairs", label="up" if other > floor else "down")
                 if leg is not None:
                     room = self.world.room_at(other, other_xy, 0.8)
-                    yield self._step(trail, leg, Node(other, room, other_xy, yaw, -10 - number, int(other > floor)))
+                    yield self._step(trail, leg, Node(other, room, other_xy, yaw, CLIMBED - number, int(other > floor)))
 
     def _unknown_beyond(self, trail: Trail) -> Hypothesis | None:
         """What a portal or its room may still hide."""
@@ -242,15 +244,11 @@ class Search:
             value = onward.vector[j] + self.tail[j] - 0.55 + 0.3 * min(1.5, frontier.width_m)
             yield Hypothesis(onward, value, frontier.position_m, node.floor, False, j, "frontier")
         for stairs in self.world.stairs_of(node.floor, node.room):
-            if any(
-                math.dist(stairs.xy, xy) < 3.0
-                for link in self.world.links
-                for f, xy in ((link.floor, link.xy), (link.other_floor, link.other_xy))
-                if f == node.floor
-            ):
+            flight = self.world.flights.get(stairs.id)
+            if self.world.climbed(flight.entry if flight else stairs.xy):
                 continue
-            goal = self.approach(stairs, node)
-            leg = self.world.leg(node, goal, "stairs", thing=stairs) if goal else None
+            goal = flight.entry if flight else self.world.railing_end(stairs) or self.world.look_at(stairs, node.room)
+            leg = self.world.leg(node, goal, "stairs", thing=stairs, label=self.world.leads(stairs)) if goal else None
             if leg is not None and goal is not None:
                 onward = self._step(trail, leg, node)
                 j = self._followed(onward.vector)
@@ -298,10 +296,16 @@ class Search:
     def _beside_things(self, node: Node, weight: float) -> Iterator[tuple[XY, float, Thing | None, str]]:
         stop = self.clauses[-1]
         phrase = stop.place or next(c.place for c in reversed(self.clauses) if c.place is not None)
+        part = part_of_stairs(phrase)
+        if part and node.portal <= CLIMBED:
+            yield node.xy, weight, None, "landing"
         for thing in self.world.things_of(node.floor, node.room):
             value = thing_fits(phrase, thing)
             if not value:
                 continue
+            flight = self.world.flights.get(thing.id)
+            if part and self.world.leads(thing) == REACHED_BY[part]:
+                continue  # that is its other end
             second = phrase.also or (phrase.of if phrase.of is not None and phrase.of.kind is NounKind.OBJECT else None)
             if second is not None:
                 near = any(
@@ -310,9 +314,9 @@ class Search:
                     if other.id != thing.id
                 )
                 value *= 1.0 if near else 0.6
-            goal = self.approach(thing, node)
+            goal = self.approach(thing, node) if flight is None else flight.entry
             if goal is not None:
-                yield goal, weight * value, thing, ""
+                yield goal, weight * value, None if part else thing, ""
 
     def _at_portals(self, node: Node, weight: float) -> Iterator[tuple[XY, float, Thing | None, str]]:
         """Thresholds that a stop may mean: those of the room, and the one just walked through."""

@@ -40,6 +40,7 @@ class Thing:
         z_m: its height.
         extent_m: largest horizontal extent seen.
         surface: seen surface points.
+        relief: of stairs: seen points and normals (x, y, z, nx, ny, nz).
         weight: pixels seen so far.
         seen_from: where the body stood at the first sight.
         names: what detections called it, the first first.
@@ -53,6 +54,7 @@ class Thing:
     z_m: float
     extent_m: float
     surface: list[XY] = field(default_factory=list)
+    relief: list[tuple[float, float, float, float, float, float]] = field(default_factory=list)
     weight: float = 1.0
     seen_from: XY = (0.0, 0.0)
     names: list[str] = field(default_factory=list)
@@ -127,13 +129,17 @@ class Glimpse:
 
 
 class Sightings:
-    """Accumulates the sightings of an episode."""
+    """Accumulates the sightings of an episode.
+
+    ``square_rad`` is the direction of the walls, modulo a right angle.
+    """
 
     def __init__(self) -> None:
         self.things: list[Thing] = []
         self._precise: list[Portal] = []
         self._glimpses: list[Glimpse] = []
         self.portals: list[Portal] = []
+        self.square_rad = 0.0
 
     def add(self, sightings: Iterable[Sighting], floor: int, seen_from: XY, square_rad: float) -> None:
         """Take in lifted detections made on a floor from a place; walls run along ``square_rad`` and across it."""
@@ -143,7 +149,8 @@ class Sightings:
                 self._add_portal(sighting, category, floor, seen_from)
             else:
                 self._add_thing(sighting, category, floor, seen_from)
-        self.portals = self._resolved(square_rad)
+        self.square_rad = self._square(square_rad)
+        self.portals = self._resolved()
 
     def on(self, floor: int) -> tuple[list[Thing], list[Portal]]:
         """Things and portals of a floor."""
@@ -169,6 +176,7 @@ class Sightings:
             thing.weight += weight
             thing.extent_m = max(thing.extent_m, sighting.extent_m)
             thing.surface = (thing.surface + surface)[-MAX_SURFACE:]
+            thing.relief.extend(sighting.relief)
             if sighting.category not in thing.names:
                 thing.names.append(sighting.category)
             thing.attributes = thing.attributes or attributes
@@ -183,6 +191,7 @@ class Sightings:
                 z,
                 sighting.extent_m,
                 surface[:MAX_SURFACE],
+                list(sighting.relief),
                 weight,
                 seen_from,
                 [sighting.category],
@@ -219,17 +228,20 @@ class Sightings:
             found.attributes = sighting.attributes or found.attributes
         found.passage = found.passage or sighting.is_passage
 
-    def _resolved(self, square_rad: float) -> list[Portal]:
+    def _square(self, square_rad: float) -> float:
+        """Walls stand square, so precise thresholds tell their direction best."""
+        if not self._precise:
+            return square_rad
+        sine = sum(math.sin(4 * p.along_rad) * p.quality for p in self._precise)
+        return math.atan2(sine, sum(math.cos(4 * p.along_rad) * p.quality for p in self._precise)) / 4
+
+    def _resolved(self) -> list[Portal]:
         """Precise portals, and guesses from glimpses that none of them explains.
 
-        Walls stand square, so precise thresholds give the directions that a threshold can have. A glimpse is slanting: of the two
-        its threshold has the one nearer to the line of sight, and its middle lies half a door beyond the nearer jamb.
+        A glimpse is slanting: of the two directions of walls its threshold has the one nearer to the line of sight, and its
+        middle lies half a door beyond the nearer jamb.
         """
-        portals = list(self._precise)
-        square = square_rad
-        if portals:
-            sine = sum(math.sin(4 * p.along_rad) * p.quality for p in portals)
-            square = math.atan2(sine, sum(math.cos(4 * p.along_rad) * p.quality for p in portals)) / 4
+        portals, square = list(self._precise), self.square_rad
         for glimpse in self._glimpses:
             sight = math.atan2(glimpse.jamb[1] - glimpse.seen_from[1], glimpse.jamb[0] - glimpse.seen_from[0])
             along = square + round((sight - square) / (math.pi / 2)) * math.pi / 2

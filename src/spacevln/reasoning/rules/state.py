@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from spacevln.core import Anchor, PlannerContext, Pose, StageEnd
+from spacevln.reasoning.rules.flights import Crossing
 from spacevln.reasoning.rules.grid import FloorGrid, square_rad
 from spacevln.reasoning.rules.heading import way_length_m
 from spacevln.reasoning.rules.legs import Node
@@ -13,50 +14,8 @@ from spacevln.reasoning.rules.sightings import XY, Sightings
 from spacevln.reasoning.rules.world import FLOOR_HEIGHT_M, Link, World, build_grid
 
 REACHED_M = 0.7
-STOREY_M = 2.8  # a usual storey, from floor to floor
-RUN_PER_RISE = 1.5  # of usual stairs
-BEYOND_M = 0.9  # behind the last step one is off the flight
-ON_STEPS_M = 0.25  # this much over or under the floor one stands on steps
-MOST_STAGES, FIRST_STAGES = 6, 2  # boundaries on the steps, and before the first of them
+SPENT_M = 0.4
 LEAST_GAIN_M = 0.6  # a stage that brings its target no nearer than this has failed
-
-
-@dataclass(slots=True)
-class Crossing:
-    """A flight of stairs that is being walked.
-
-    Args:
-        far: where it is expected to end.
-        began: pose before its first step.
-        last: pose at the last planning boundary.
-        stages: planning boundaries so far.
-    """
-
-    far: XY
-    began: Pose
-    last: Pose
-    stages: int = 0
-
-    def go_on(self, pose: Pose) -> bool:
-        """Take in a boundary's pose; whether the flight is not yet behind one.
-
-        What the feet have climbed tells more than what was seen: on the steps the flight leads where one has just gone.
-        """
-        climbed, rose = abs(pose.z_m - self.began.z_m), abs(pose.z_m - self.last.z_m)
-        gone = math.hypot(pose.x_m - self.last.x_m, pose.y_m - self.last.y_m)
-        self.stages += 1
-        if climbed > ON_STEPS_M and rose > ON_STEPS_M / 2 and gone > ON_STEPS_M:
-            rest = max(0.0, STOREY_M - climbed) * RUN_PER_RISE + BEYOND_M
-            self.far = (
-                pose.x_m + rest * (pose.x_m - self.last.x_m) / gone,
-                pose.y_m + rest * (pose.y_m - self.last.y_m) / gone,
-            )
-        self.last = pose
-        if climbed <= ON_STEPS_M and pose.distance_m(*self.far) < BEYOND_M:
-            return False  # it was no flight, or not this way
-        if climbed > STOREY_M - ON_STEPS_M:
-            return rose > ON_STEPS_M
-        return self.stages <= (MOST_STAGES if climbed > ON_STEPS_M else FIRST_STAGES)
 
 
 @dataclass(slots=True)
@@ -66,6 +25,7 @@ class EpisodeState:
     sightings: Sightings = field(default_factory=Sightings)
     grids: dict[int, FloorGrid] = field(default_factory=dict)
     links: list[Link] = field(default_factory=list)
+    levels: dict[int, float] = field(default_factory=dict)
     visited: list[tuple[int, XY]] = field(default_factory=list)
     start: tuple[int, Pose] | None = None
     last_pose: tuple[int, Pose] | None = None
@@ -74,6 +34,7 @@ class EpisodeState:
     target_way_m: float = 0.0
     target_is_goal: bool = True
     failures: list[tuple[int, XY]] = field(default_factory=list)
+    reached: list[tuple[int, XY]] = field(default_factory=list)
     crossing: Crossing | None = None
 
     def floor_of(self, context: PlannerContext) -> int:
@@ -85,23 +46,41 @@ class EpisodeState:
         floor = self.floor_of(context)
         pose = context.pose
         if context.memory is None:
-            self.sightings, self.grids, self.visited, self.links = Sightings(), {}, [], []
+            self.sightings, self.grids, self.visited, self.links, self.levels = Sightings(), {}, [], [], {}
             self.start = None
         if self.start is None:
             self.start = (floor, pose)
         here = (pose.x_m, pose.y_m)
-        if self.last_pose is not None and self.last_pose[0] != floor:
-            before = self.last_pose[1]
-            yaw = math.atan2(pose.y_m - before.y_m, pose.x_m - before.x_m)
-            self.links.append(Link(self.last_pose[0], (before.x_m, before.y_m), floor, here, yaw))
-        self.last_pose = (floor, pose)
+        if self.crossing is None:
+            if self.last_pose is not None and self.last_pose[0] != floor:
+                self.link(self.last_pose[0], self.last_pose[1], floor, pose)
+            self.last_pose = (floor, pose)
+            self.levels[floor] = pose.z_m
         self.visited.append((floor, here))
-        self.sightings.add(
-            (sighting for view in context.views for sighting in view.sightings), floor, here, square_rad(context.space, pose)
-        )
+        if self.crossing is None:  # on the steps one sees two storeys at once
+            self.sightings.add(
+                (sighting for view in context.views for sighting in view.sightings), floor, here, square_rad(context.space, pose)
+            )
         frontiers = context.memory.frontiers if context.memory is not None else ()
         self.grids[floor] = build_grid(context.space, self.sightings, pose, self.visited, frontiers, floor)
-        return World(self.sightings, self.grids, frontiers, floor, self.links, self.visited)
+        return self.world(context, floor)
+
+    def world(self, context: PlannerContext, floor: int) -> World:
+        """The picture of everything known."""
+        frontiers = context.memory.frontiers if context.memory is not None else ()
+        return World(self.sightings, self.grids, frontiers, floor, self.links, self.levels, self.visited)
+
+    def end_crossing(self, floor: int, pose: Pose) -> None:
+        """The flight is behind one, or was none."""
+        crossing, self.crossing = self.crossing, None
+        if crossing is not None and floor != crossing.floor:
+            self.link(crossing.floor, crossing.began, floor, pose)
+            self.last_pose, self.levels[floor] = (floor, pose), pose.z_m
+
+    def link(self, floor: int, pose: Pose, other: int, there: Pose) -> None:
+        """Note stairs that were walked."""
+        yaw = math.atan2(there.y_m - pose.y_m, there.x_m - pose.x_m)
+        self.links.append(Link(floor, (pose.x_m, pose.y_m), other, (there.x_m, there.y_m), yaw))
 
     def start_node(self, world: World) -> Node:
         """Where the route begins."""
@@ -118,9 +97,15 @@ class EpisodeState:
         near = aim_floor == floor and context.pose.distance_m(*aim) <= REACHED_M
         reached = near or (self.target_is_goal and context.feedback.end is StageEnd.ARRIVAL)
         nearer_m = self.target_way_m - way_length_m(context, aim) if aim_floor == floor else LEAST_GAIN_M
-        if not reached and nearer_m < LEAST_GAIN_M:
+        if reached:
+            self.reached.append(self.target)
+        elif nearer_m < LEAST_GAIN_M:
             self.failures.append(self.target)
         return reached
+
+    def spent(self, floor: int, xy: XY) -> int:
+        """How often a place was reached: what it had to show is seen."""
+        return sum(1 for f, aim in self.reached if f == floor and math.dist(aim, xy) < SPENT_M)
 
     def failed(self, floor: int, xy: XY) -> int:
         """How often stages towards a place failed."""

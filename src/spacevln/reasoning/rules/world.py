@@ -7,15 +7,17 @@ do not reach this far.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from spacevln.core import Frontier, Pose, SpatialMap
 from spacevln.language import REGION_CUES, region_scores
 from spacevln.language.nouns_lexicon import STAIRS
+from spacevln.reasoning.rules.flights import Flight, flight_of, leads_of, open_end
 from spacevln.reasoning.rules.grid import NOWHERE, FloorGrid
 from spacevln.reasoning.rules.legs import Leg, Node, make_leg
 from spacevln.reasoning.rules.sightings import XY, Portal, Sightings, Thing
@@ -24,6 +26,11 @@ FLOOR_HEIGHT_M = 1.5
 SIDE_REACHES_M = (0.35, 0.5, 0.65, 0.8, 0.25)
 HALLWAY_BREADTH_M = 2.6
 LEAST_FRONTIER_M = 0.5
+ENTRY_WITHIN_M = 0.6
+CLIMBED_M = 1.5
+LOOK_AT_M = (0.6, 2.2)  # from a flight
+LOOK_AGAIN_M = 1.2
+LOW_END_M = 3.0  # of detour, that a metre less height at a flight's end is worth
 LOOKED_AT_M = 1.1  # an edge this near to an earlier look-around hides nothing more
 RELATED = {
     "patio": ("balcony",),
@@ -63,6 +70,7 @@ class World:
         frontiers: of the current storey.
         floor: current storey.
         links: stairs walked so far.
+        levels: height of the storeys where the body stood [m].
         visited: places of earlier boundaries, (floor, xy).
     """
 
@@ -73,6 +81,7 @@ class World:
         frontiers: Sequence[Frontier],
         floor: int,
         links: Sequence[Link],
+        levels: Mapping[int, float],
         visited: Sequence[tuple[int, XY]],
     ) -> None:
         self.sightings = sightings
@@ -80,6 +89,7 @@ class World:
         self.frontiers = tuple(f for f in frontiers if f.width_m >= LEAST_FRONTIER_M and not _looked_at(f, floor, visited))
         self.floor = floor
         self.links = tuple(links)
+        self.levels = levels
         self.visited = tuple(visited)
         self.visited_rooms = {(f, grids[f].room_at(xy)) for f, xy in visited if f in grids}
         self._scores: dict[tuple[int, int], dict[str, float]] = {}
@@ -123,9 +133,73 @@ class World:
         """Things seen in a room."""
         return [thing for thing in self.sightings.things if self.room_of_thing[thing.id] == (floor, room)]
 
+    @cached_property
+    def flights(self) -> dict[int, Flight]:
+        """What is known of the flights of stairs that were seen, by the number of the thing."""
+        flights = {}
+        for thing in self.sightings.things:
+            if thing.category in STAIRS and thing.floor in self.levels:
+                flight = flight_of(thing, self.levels[thing.floor], self.sightings.square_rad)
+                if flight is not None:
+                    flights[thing.id] = flight
+        return flights
+
+    def flights_on(self, floor: int) -> list[Flight]:
+        """The flights that lead away from a storey."""
+        return [self.flights[thing.id] for thing in self.sightings.things if thing.id in self.flights and thing.floor == floor]
+
+    def leads(self, stairs: Thing) -> str:
+        """Whether stairs lead ``"up"`` or ``"down"`` from their storey; ``""`` when that was not seen."""
+        known = stairs.category in STAIRS and stairs.floor in self.levels
+        return leads_of(stairs, self.levels[stairs.floor]) if known else ""
+
+    def leads_from(self, floor: int) -> set[str]:
+        """Where stairs lead from a storey, as far as they were seen or walked: "up", "down"."""
+        walked = {(link.floor, link.other_floor) for link in self.links} | {(link.other_floor, link.floor) for link in self.links}
+        return {leads for thing in self.sightings.things if thing.floor == floor and (leads := self.leads(thing))} | {
+            "up" if b > a else "down" for a, b in walked if a == floor
+        }
+
     def stairs_of(self, floor: int, room: int) -> list[Thing]:
-        """Flights of stairs seen in a room."""
-        return [thing for thing in self.things_of(floor, room) if thing.category in STAIRS]
+        """Flights of stairs that are entered from a room; without a known entry, those seen in it."""
+        found = []
+        for thing in self.sightings.things:
+            if thing.category in STAIRS and thing.floor == floor:
+                flight = self.flights.get(thing.id)
+                at = self.room_of_thing[thing.id][1] if flight is None else self.room_at(floor, flight.entry, ENTRY_WITHIN_M)
+                if at == room:
+                    found.append(thing)
+        return found
+
+    def railing_end(self, stairs: Thing) -> XY | None:
+        """Where a railing opens to stairs whose steps were not seen; None when nobody knows, or looked there already."""
+        end = open_end(stairs, self.levels[stairs.floor], self.sightings.square_rad) if stairs.floor in self.levels else None
+        seen = end is not None and any(f == stairs.floor and math.dist(xy, end) < ENTRY_WITHIN_M for f, xy in self.visited)
+        return None if seen else end
+
+    def climbed(self, xy: XY) -> bool:
+        """Whether a place belongs to stairs that were walked."""
+        return any(_off_segment(xy, link.xy, link.other_xy) < CLIMBED_M for link in self.links)
+
+    def look_at(self, stairs: Thing, room: int) -> XY | None:
+        """A place of a room from which more of a flight may be seen: beside it, to its low end, away from earlier looks."""
+        grid = self.grids[stairs.floor]
+        centres = grid.centres(room)
+        distance = stairs.distance_m(centres)
+        fit = (distance > LOOK_AT_M[0]) & (distance < LOOK_AT_M[1])
+        for floor, xy in self.visited:
+            if floor == stairs.floor:
+                fit &= np.hypot(*(centres - np.array(xy)).T) > LOOK_AGAIN_M
+        if not fit.any():
+            return None
+        relief = np.array(stairs.relief).reshape(-1, 6)
+        here = np.array(self.visited[-1][1]) if self.visited else centres[0]
+        cost = np.hypot(*(centres[fit] - here).T)
+        if len(relief):
+            nearest = cKDTree(relief[:, :2]).query(centres[fit], k=min(12, len(relief)))[1]
+            cost = cost + LOW_END_M * relief[nearest.reshape(len(cost), -1), 2].mean(axis=1)
+        x, y = centres[fit][int(np.argmin(cost))]
+        return float(x), float(y)
 
     def frontiers_of(self, floor: int, room: int) -> list[Frontier]:
         """Edges of the known floor that belong to a room of the current storey."""
@@ -203,6 +277,14 @@ class World:
         """Just beyond a portal for someone who comes from ``side``."""
         room = self.portal_rooms[portal.id][1 - side]
         return Node(portal.floor, room, portal.beside(1 - side, 0.45), portal.normal_rad(side), portal.id, 1 - side)
+
+
+def _off_segment(xy: XY, a: XY, b: XY) -> float:
+    """Distance of a point from the segment between two others."""
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    t = ((xy[0] - a[0]) * dx + (xy[1] - a[1]) * dy) / max(dx * dx + dy * dy, 1e-9)
+    t = min(max(t, 0.0), 1.0)
+    return math.hypot(xy[0] - a[0] - t * dx, xy[1] - a[1] - t * dy)
 
 
 def _looked_at(frontier: Frontier, floor: int, visited: Sequence[tuple[int, XY]]) -> bool:
