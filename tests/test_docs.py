@@ -18,6 +18,7 @@ def resolve(module: str, name: str) -> object:
     value: object = importlib.import_module(f"spacevln.{module}")
     for part in name.split("."):
         defaults = {field.name: field.default for field in dataclasses.fields(value)} if dataclasses.is_dataclass(value) else {}
+        defaults |= {name: field.default for name, field in getattr(value, "model_fields", {}).items()}
         value = defaults[part] if part in defaults else getattr(value, part)
     return value
 
