@@ -55,9 +55,8 @@ def view_picture(view: View, width_px: int, *, detections: bool) -> Picture:
     """
     canvas, picture, scale = _canvas(view.rgb, width_px)
     if detections:
-        for sighting in nearest_sightings(view):
-            name = full_name(sighting.category, sighting.attributes)
-            _draw_box(picture, sighting, scale, f"{name} {sighting.distance_m:.1f} m")
+        shown = nearest_sightings(view)
+        _draw_boxes(picture, [(s, f"{full_name(s.category, s.attributes)} {s.distance_m:.1f} m") for s in shown], scale)
     _write(canvas, 0.0, view.label.upper(), INK)
     _write(canvas, 1.0, f"obstacle {obstacle_words(view.obstacle_m)}", _tone(view.obstacle_m))
     return canvas
@@ -89,8 +88,7 @@ def forward_picture(
     in the pool.
     """
     canvas, picture, scale = _canvas(observation.rgb, width_px)
-    for sighting in sightings:
-        _draw_box(picture, sighting, scale, _landmark_words(sighting, pool))
+    _draw_boxes(picture, [(sighting, _landmark_words(sighting, pool)) for sighting in sightings], scale)
     sectors = (
         ("left 30", 30.0, obstacles.left_30_m),
         ("front", 0.0, obstacles.front_m),
@@ -152,16 +150,24 @@ def _landmark_words(sighting: Sighting, pool: LandmarkPool) -> str:
     return f"[{place + 1}] {name} {shown.distance_m:.1f} m, {bearing_words(shown.bearing_rad)}"
 
 
-def _draw_box(picture: Picture, sighting: Sighting, scale: float, words: str) -> None:
-    """A box in the image with its words on a plate at its upper edge."""
-    x0, y0, x1, y1 = (round(value * scale) for value in sighting.box_px)
-    cv2.rectangle(picture, (x0, y0), (max(x0, x1 - 1), max(y0, y1 - 1)), PLATE, 2)
-    plate = letters(words, PAPER, PLATE)
+def _draw_boxes(picture: Picture, boxes: Sequence[tuple[Sighting, str]], scale: float) -> None:
+    """Boxes in the image, then their words on plates at their upper edges, lower where another plate is."""
     height, width = picture.shape[:2]
-    i = min(max(0, y0 - plate.shape[0]), height - plate.shape[0])
-    j = min(max(0, x0), max(0, width - plate.shape[1]))
-    part = picture[i : i + plate.shape[0], j : j + plate.shape[1]]
-    part[:] = plate[: part.shape[0], : part.shape[1]]
+    taken: list[tuple[int, int, int]] = []  # row, first and last column of a plate
+    for sighting, _ in boxes:
+        x0, y0, x1, y1 = (round(value * scale) for value in sighting.box_px)
+        cv2.rectangle(picture, (x0, y0), (max(x0, x1 - 1), max(y0, y1 - 1)), PLATE, 2)
+    for sighting, words in boxes:
+        plate = letters(words, PAPER, PLATE)[:, :width]
+        rows, columns = plate.shape[:2]
+        i = min(max(0, round(sighting.box_px[1] * scale) - rows), height - rows)
+        j = min(max(0, round(sighting.box_px[0] * scale)), width - columns)
+        while i + 2 * rows <= height and any(
+            abs(i - row) < rows and j < last and first < j + columns for row, first, last in taken
+        ):
+            i += 1
+        taken.append((i, j, j + columns))
+        picture[i : i + rows, j : j + columns] = plate
 
 
 def _write(canvas: Picture, share: float, words: str, colour: Colour) -> None:
