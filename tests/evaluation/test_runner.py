@@ -204,7 +204,7 @@ def test_the_number_of_workers_does_not_matter(tmp_path: Path) -> None:
     assert (tmp_path / "1/summary.json").read_bytes() == (tmp_path / "3/summary.json").read_bytes()
 
 
-KILLS, EPISODES, PACE_S = 30, 80, 0.03
+KILLS, EPISODES, PACE_S = 30, 100, 0.03
 
 
 def children(pid: int) -> list[int]:
@@ -222,6 +222,17 @@ def hit_in_flight(run: Path) -> bool:
     return any(Journal.read(folder).deaths for folder in open_ones)
 
 
+def starts(run: Path) -> int:
+    return sum(Journal.read(path.parent).starts for path in run.glob(f"episodes/*/{NAME}"))
+
+
+def wait_for_a_start(run: Path, before: int) -> None:
+    deadline = time.monotonic() + 120
+    while starts(run) <= before:
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
 def begin(run: Path) -> subprocess.Popen[bytes]:
     command = [sys.executable, str(SCRIPT), str(run), "2", str(PACE_S), str(EPISODES)]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL)
@@ -234,7 +245,9 @@ def test_kill_9_at_thirty_moments_loses_and_repeats_nothing(tmp_path: Path) -> N
     rough, calm = tmp_path / "rough", tmp_path / "calm"
     runner, kills = begin(rough), {"runner": 0, "worker": 0}
     while sum(kills.values()) < KILLS:
-        time.sleep(rng.uniform(0.0, 3.0))
+        if rng.random() < 0.75:  # most hits fall into episodes, some into the start of a process
+            wait_for_a_start(rough, starts(rough))
+        time.sleep(rng.uniform(0.0, 1.5))
         assert runner.poll() in (None, -signal.SIGKILL), "the run ended before it was hit often enough"
         if rng.random() < 0.2:
             runner.kill()

@@ -10,11 +10,14 @@ import click
 
 from spacevln import __version__
 from spacevln.cli.bench import bench
+from spacevln.cli.compare import compare
 from spacevln.cli.doctor import doctor
 from spacevln.cli.houses import houses
+from spacevln.cli.map import memory_map
 from spacevln.cli.prompt import prompt
 from spacevln.cli.replay import replay
 from spacevln.cli.run import run
+from spacevln.cli.table import table
 from spacevln.core import PrerequisiteError, SpaceVLNError, SpendingLimit, UsageError
 
 DONE, FAILED, USAGE, PREREQUISITE, INTERRUPTED = 0, 1, 2, 3, 130
@@ -28,16 +31,22 @@ def cli() -> None:
     \b
     spacevln run                         watch an agent follow an instruction through a furnished house
     spacevln bench houses-vln            measure it on many houses
+    spacevln table DIR...                print runs in the shape of the paper's tables
+    spacevln compare A B                 compare two runs episode by episode
     spacevln replay RECORD               rerun a recorded episode offline, from its stored replies
     spacevln prompt RECORD STAGE         show what a model was asked there, or would have been
+    spacevln map RECORD                  draw the memory that an episode left: map, spaces, graph
     spacevln doctor                      what is installed, what is missing, and the command that mends it
     """  # noqa: D301 - click reads the backspace as "keep these lines"
 
 
 cli.add_command(run)
 cli.add_command(bench)
+cli.add_command(table)
+cli.add_command(compare)
 cli.add_command(replay)
 cli.add_command(prompt)
+cli.add_command(memory_map)
 cli.add_command(houses)
 cli.add_command(doctor)
 

@@ -7,32 +7,42 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacevln.cli.data_options import data_options, selection_from
+from spacevln.cli.forecast import forecast_options, tell_forecast
+from spacevln.cli.model_options import access_from
 from spacevln.cli.options import Driver, agent_options, configuration_from
 
 if TYPE_CHECKING:
-    from spacevln.recording import ResultFile
+    from spacevln.evaluation.datasets import Selection
+    from spacevln.recording import ResultFile, SummaryFile
+
+FAILED_STATUSES = frozenset({"model_failure", "environment_failure", "safety"})
 
 
-def _seed_range(_context: click.Context, _parameter: click.Parameter, value: str | None) -> tuple[int, int] | None:
-    """Parse ``A:B``, half open."""
-    if value is None:
-        return None
-    first, colon, last = value.partition(":")
-    if not (colon and first.isdigit() and last.isdigit() and int(first) < int(last)):
-        raise click.BadParameter(f"{value!r} is no range of seeds: give A:B with 0 <= A < B, e.g. 0:100.")
-    return int(first), int(last)
+def run_options(command: Any) -> Any:
+    """How a suite is run."""
+    for option in reversed(
+        (
+            click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes."),
+            click.option(
+                "--deadline",
+                type=click.FloatRange(min=0, min_open=True),
+                default=None,
+                metavar="S",
+                help="A worker that takes longer for an episode is killed, which counts as its death.",
+            ),
+            click.option(
+                "--level", type=click.Choice(["light", "full"]), default="light", show_default=True, help="How much is recorded."
+            ),
+        )
+    ):
+        command = option(command)
+    return command
 
 
 @click.command()
 @click.argument("suite")
-@click.option("--split", default=None, help="Of the suite; by default test of the houses suites, val_unseen of R2R-CE and so on.")
-@click.option(
-    "--seeds",
-    callback=_seed_range,
-    metavar="A:B",
-    default=None,
-    help="One fresh episode of each house seed A..B-1 instead of the split.",
-)
+@data_options
 @click.option(
     "--driver",
     type=click.Choice(["agent", "random", "forward", "oracle"]),
@@ -40,62 +50,61 @@ def _seed_range(_context: click.Context, _parameter: click.Parameter, value: str
     show_default=True,
     help="The agent, or a baseline.",
 )
-@click.option(
-    "--probe", type=click.Choice(["none", "swapped", "last-noun"]), default="none", help="Another instruction: does it matter?"
-)
-@click.option("--episodes", type=click.IntRange(min=1), default=None, help="Only the first so many.")
-@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
-@click.option("--level", type=click.Choice(["light", "full"]), default="light", show_default=True, help="How much is recorded.")
+@run_options
+@forecast_options
 @agent_options
-def bench(
-    suite: str,
-    split: str | None,
-    seeds: tuple[int, int] | None,
-    episodes: int | None,
-    workers: int,
-    level: str,
-    driver: Driver,
-    probe: str,
-    out: Path | None,
-    **options: Any,
-) -> int:
+def bench(suite: str, driver: Driver, workers: int, deadline: float | None, level: str, out: Path | None, **options: Any) -> int:
     """Run SUITE (houses-vln or houses-objectnav); the same command on the same --out resumes."""
     from spacevln.cli.output import describe_run, prepare
-    from spacevln.core import PrerequisiteError
-    from spacevln.evaluation.datasets import BENCHMARKS, Selection
     from spacevln.evaluation.runner import Job, claim_directory
     from spacevln.evaluation.runner import bench as run_suite
     from spacevln.recording import RecordLevel
 
-    if suite in BENCHMARKS:
-        raise PrerequisiteError(
-            f"Suite {suite!r} needs the Habitat bridge, which this version does not have yet: use houses-vln or houses-objectnav."
-        )
+    selection = selection_from(suite, options)
+    check_world(selection)
     configuration = configuration_from(options, driver)
-    selection = Selection.model_validate({"suite": suite, "split": split, "seeds": seeds, "episodes": episodes, "probe": probe})
-    total = len(selection.load())
+    episodes = selection.load()
+    for note in episodes.notes:
+        click.echo(f"data     {note}")
+    if options["dry_run"]:
+        tell_forecast(configuration, episodes, out, workers, options["forecast_from"])
+        return 0
     directory = prepare(out)
-    claim_directory(directory, describe_run(selection.name, configuration))
-    job = Job(selection, configuration, directory, RecordLevel(level))
-    progress = _Progress(total)
+    claim_directory(directory, describe_run(selection.name, configuration, episodes.source))
+    job = Job(selection, configuration, directory, RecordLevel(level), access_from(options, directory))
+    progress = Progress(len(episodes))
     with progress:
-        summary = run_suite(job, workers, progress.add)
-    click.echo(_table(summary.metrics, progress.results))
-    click.echo(f"statuses {', '.join(f'{name} {count}' for name, count in summary.statuses.items())}")
-    click.echo(f"rejections {summary.rejections}, fallbacks {summary.fallbacks}, unreachable {summary.unreachable}")
+        summary = run_suite(job, workers, progress.add, deadline_s=deadline)
+    tell(summary, progress.results)
     click.echo(f"record   {directory}")
-    failed = {"model_failure", "environment_failure", "safety"} & set(summary.statuses)
-    return 1 if failed else 0
+    return 1 if FAILED_STATUSES & set(summary.statuses) else 0
 
 
-class _Progress:
-    """A bar with the success so far and the time left; plain lines where there is no terminal."""
+def check_world(selection: Selection) -> None:
+    """Refuse benchmarks whose world is not here.
+
+    Raises:
+        PrerequisiteError: with what is missing.
+    """
+    from spacevln.core import PrerequisiteError
+    from spacevln.evaluation.datasets import BENCHMARKS
+
+    if selection.suite in BENCHMARKS:
+        raise PrerequisiteError(
+            f"Suite {selection.suite!r} needs the Habitat bridge, which this version does not have yet: "
+            "use houses-vln or houses-objectnav."
+        )
+
+
+class Progress:
+    """A bar with the success so far, the cost, and the time left; plain lines where there is no terminal."""
 
     def __init__(self, total: int) -> None:
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+        from rich.progress import Progress as Bar
 
         self.results: list[ResultFile] = []
-        self._bar = Progress(
+        self._bar = Bar(
             TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), transient=True
         )
         self._task = self._bar.add_task("starting", total=total)
@@ -110,20 +119,24 @@ class _Progress:
         """Count a result."""
         self.results.append(result)
         judged = [each.metrics.SR for each in self.results if each.metrics.SR is not None]
-        share = f"SR {100 * sum(judged) / len(judged):.0f} %" if judged else "running"
-        self._bar.update(self._task, advance=1, description=share)
+        words = [f"SR {100 * sum(judged) / len(judged):.0f} %" if judged else "running"]
+        usd = sum(part.usd for each in self.results for part in each.usage.values())
+        words += [f"{usd:.2f} USD"] if usd else []
+        self._bar.update(self._task, advance=1, description=", ".join(words))
 
 
-def _table(metrics: dict[str, float | None], results: list[ResultFile]) -> str:
-    from spacevln.evaluation.summary import bootstrap_interval
+def tell(summary: SummaryFile, results: list[ResultFile]) -> None:
+    """Print the metrics of a run with their intervals, and how its episodes ended."""
+    from spacevln.evaluation.statistics import interval
 
-    lines = []
     for name, unit in (("SR", "%"), ("SPL", "%"), ("OSR", "%"), ("nDTW", "%"), ("NE", "m"), ("steps", ""), ("stages", "")):
-        value = metrics.get(name)
+        value = summary.metrics.get(name)
         if value is None:
             continue
         scale = 100.0 if unit == "%" else 1.0
         values = [getattr(result.metrics, name) for result in results]
-        low, high = bootstrap_interval([scale * each for each in values if each is not None])
-        lines.append(f"{name:8s} {value:6.1f} {unit:1s}  [{low:.1f}, {high:.1f}]")
-    return "\n".join(lines)
+        found = interval([scale * each for each in values if each is not None])
+        spread = "" if found.low is None or found.high is None else f"  [{found.low:.1f}, {found.high:.1f}]"
+        click.echo(f"{name:8s} {value:6.1f} {unit:1s}{spread}")
+    click.echo(f"statuses {', '.join(f'{name} {count}' for name, count in summary.statuses.items())}")
+    click.echo(f"rejections {summary.rejections}, fallbacks {summary.fallbacks}, unreachable {summary.unreachable}")

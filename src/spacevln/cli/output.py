@@ -13,6 +13,7 @@ from pathlib import Path
 from spacevln import __version__
 from spacevln.assembly import Configuration
 from spacevln.core import UsageError
+from spacevln.evaluation.datasets import Source
 from spacevln.recording import RunFile
 
 PACKAGES = ("click", "mujoco", "numba", "numpy", "opencv-python-headless", "pillow", "pydantic", "rich", "scipy")
@@ -36,8 +37,8 @@ def prepare(directory: Path | None) -> Path:
     return chosen
 
 
-def describe_run(suite: str, configuration: Configuration) -> RunFile:
-    """What ``run.json`` says of this run."""
+def describe_run(suite: str, configuration: Configuration, source: Source | None = None) -> RunFile:
+    """What ``run.json`` says of this run; ``source`` names the files that its episodes were read from."""
     return RunFile(
         version=__version__,
         suite=suite,
@@ -49,6 +50,7 @@ def describe_run(suite: str, configuration: Configuration) -> RunFile:
         python=platform.python_version(),
         platform=platform.platform(),
         git_revision=_git_revision(),
+        dataset={} if source is None else dict(source.files),
     )
 
 

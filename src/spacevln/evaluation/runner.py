@@ -88,6 +88,10 @@ def claim_directory(directory: Path, run: RunFile) -> None:
             f"{str(directory)!r} holds a run of {before.suite} with configuration {before.configuration_hash}, "
             f"this is {run.suite} with {run.configuration_hash}: give another --out."
         )
+    if before.dataset != run.dataset:
+        raise UsageError(
+            f"{str(directory)!r} holds a run of {before.suite} on data files that have changed since: give another --out."
+        )
 
 
 def finished(directory: Path, episode_id: str) -> ResultFile | None:

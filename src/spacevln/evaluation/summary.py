@@ -9,7 +9,8 @@ import numpy as np
 
 from spacevln.recording import ResultFile, SummaryFile, total
 
-PERCENT = ("SR", "SPL", "OSR", "nDTW", "SDTW", "SoftSPL")
+PERCENT = ("SR", "SPL", "OSR", "nDTW", "SDTW", "SoftSPL", "SR_no_stop", "SPL_no_stop", "SR_viewpoint", "SR_viewpoint_1m")
+MEANS = ("NE", "oracle_NE", "path_length", "steps", "lookaround_steps", "align_steps", "collisions", "stages")
 
 
 def summarise(results: Sequence[ResultFile]) -> SummaryFile:
@@ -21,7 +22,7 @@ def summarise(results: Sequence[ResultFile]) -> SummaryFile:
     means: dict[str, float | None] = {}
     for name in PERCENT:
         means[name] = _mean([getattr(result.metrics, name) for result in results], scale=100.0)
-    for name in ("NE", "path_length", "steps", "lookaround_steps", "align_steps", "collisions", "stages"):
+    for name in MEANS:
         means[name] = _mean([getattr(result.metrics, name) for result in results])
     means["SR_unforced"] = _mean([result.metrics.SR for result in results if not result.forced_stop], scale=100.0)
     judged = [result for result in results if result.truth is not None]
@@ -35,16 +36,6 @@ def summarise(results: Sequence[ResultFile]) -> SummaryFile:
         unreachable=sum(result.metrics.NE is None for result in judged),
         usage=total(result.usage for result in results),
     )
-
-
-def bootstrap_interval(values: Sequence[float], *, samples: int = 2000, seed: int = 0) -> tuple[float, float]:
-    """95 % percentile bootstrap interval of the mean; (nan, nan) for no values."""
-    if not values:
-        return float("nan"), float("nan")
-    data = np.asarray(values, dtype=float)
-    drawn = np.random.default_rng(seed).integers(0, len(data), size=(samples, len(data)))
-    low, high = np.percentile(data[drawn].mean(axis=1), [2.5, 97.5])
-    return float(low), float(high)
 
 
 def _mean(values: Sequence[float | None], scale: float = 1.0) -> float | None:

@@ -325,7 +325,7 @@ class ResultFile(Record):
 
 
 class RunFile(Record):
-    """``run.json``: what ran."""
+    """``run.json``: what ran. ``dataset`` has the SHA-256 of every data file by its name; empty for what the program makes."""
 
     format: Format = FORMAT
     version: str
@@ -338,6 +338,7 @@ class RunFile(Record):
     python: str
     platform: str
     git_revision: str | None
+    dataset: dict[str, str] = Field(default={})
 
 
 class SummaryFile(Record):

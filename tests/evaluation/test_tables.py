@@ -1,0 +1,254 @@
+"""Tables: the published rows as printed, ours beside them, and every format."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from pathlib import Path
+
+import pytest
+
+from spacevln.assembly import ABLATIONS, Configuration
+from spacevln.core import EpisodeStatus, StopReason, UnknownNameError, UsageError
+from spacevln.evaluation.failures import CLASSES, count_failures, failure_class
+from spacevln.evaluation.resources import ResourcesFile
+from spacevln.evaluation.runs import Run, read_run
+from spacevln.evaluation.tables import FORMATS, SHAPES, build_table, render, shape_for
+from spacevln.evaluation.tables.card import reproduction_card
+from spacevln.evaluation.tables.published import published, source
+from spacevln.recording import CallUsage, Metrics, ResultFile, RunFile, Truth, write_file
+
+
+def made_result(name: str, success: float = 1.0, **changes: object) -> ResultFile:
+    distance = 1.0 if success else 8.0
+    metrics = Metrics(
+        SR=success,
+        SPL=0.8 * success,
+        OSR=success,
+        NE=distance,
+        nDTW=0.5,
+        path_length=10.0,
+        steps=100,
+        lookaround_steps=36,
+        align_steps=2,
+        collisions=3,
+        stages=4,
+        rejections=1,
+        fallbacks=0,
+    )
+    result = ResultFile(
+        episode_id=name,
+        scene="s",
+        task_kind="vln",
+        task_text="Go.",
+        status=EpisodeStatus.STOPPED,
+        stop_reason=StopReason.GATE,
+        forced_stop=False,
+        detail="",
+        metrics=metrics,
+        truth=Truth(goals=(), shortest_path=(), geodesic_m=9.0, final_distance_m=distance),
+        timing_s=120.0,
+    )
+    return result.model_copy(update=changes)
+
+
+def made_run(
+    label: str, results: list[ResultFile], suite: str = "r2r-ce val_unseen", configuration: Configuration | None = None
+) -> Run:
+    file = RunFile(
+        version="1",
+        suite=suite,
+        created="2026-01-01",
+        command=("spacevln", "bench"),
+        configuration=(configuration or Configuration()).model_dump(mode="json"),
+        configuration_hash="c0ffee",
+        packages={"numpy": "2"},
+        python="3.12",
+        platform="x",
+        git_revision="abc",
+        dataset={"val_unseen.json.gz": "f00d"},
+    )
+    used = ResourcesFile(
+        planner_calls=2,
+        planner_s=5.0,
+        executor_calls=10,
+        executor_s=20.0,
+        cpu_s=1.0,
+        peak_memory_mb=2048.0,
+        peak_gpu_mb=None,
+        processor="P",
+        gpu=None,
+    )
+    by_id = {result.episode_id: result for result in results}
+    return Run(label, Path(label), file, by_id, dict.fromkeys(by_id, used))
+
+
+THREE = [made_result("1"), made_result("2"), made_result("3", 0.0)]
+
+
+def cell(text: str, method: str, header: str) -> str:
+    """A cell of a Markdown table."""
+    lines = [[part.strip() for part in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("|")]
+    row = next(line for line in lines if method in line[0])
+    return row[lines[0].index(header)]
+
+
+@pytest.mark.parametrize(
+    ("shape", "rows", "method", "header", "printed"),
+    [
+        ("vln", 15, "SpaceVLN (Qwen3.5-Plus/Flash)", "R2R-CE SR ↑", "**53.3**"),
+        ("vln", 15, "GTA", "RxR-CE SPL ↑", "**39.3**"),
+        ("vln", 15, "GTA", "R2R-CE NE ↓", "<u>5.0</u>"),
+        ("vln", 15, "SpatialNav", "R2R-CE SR ↑", "68.0"),
+        ("vln", 15, "CMA", "RxR-CE OSR ↑", "--"),
+        ("gn-bench", 8, "SpaceVLN", "SR ↑", "<u>39.3</u>"),
+        ("gn-bench", 8, "NaVid", "ZS", "✗"),
+        ("ovon", 8, "SpaceVLN", "SPL ↑", "**33.1**"),
+        ("ovon", 8, "VLFM", "TF", "✓"),
+        ("ablation", 9, "w/o HSM", "SR ↑", "37.3"),
+        ("ablation", 9, "Full pipeline", "Steps ↓", "**171.7**"),
+        ("robot", 5, "SpaceVLN", "Overall SR ↑", "**48 (24/50)**"),
+        ("runtime", 4, "122B", "Time (min) ↓", "**3.4**"),
+        ("deployment", 5, "Kimi", "Planner (s) ↓", "47.29"),
+        ("deployment", 5, "Qwen3.5-Plus", "Cost (USD) ↓", "**0.010**"),
+    ],
+)
+def test_published_rows_are_as_printed(shape: str, rows: int, method: str, header: str, printed: str) -> None:
+    table = published(shape)
+    assert table is not None
+    assert len(table.rows) == rows
+    text = render(build_table([], shape, with_published=True), "md")
+    assert cell(text, method, header) == printed
+    assert source() in text
+
+
+def test_ours_stands_beside_the_published_rows_with_one_decimal() -> None:
+    text = render(build_table([made_run("mine", THREE)], "vln", with_published=True), "md")
+    assert cell(text, "mine", "R2R-CE SR ↑") == "**66.7**"
+    assert cell(text, "mine", "R2R-CE NE ↓") == "**3.3**"
+    assert cell(text, "Plus/Flash", "R2R-CE SR ↑") == "<u>53.3</u>"
+    assert cell(text, "mine", "RxR-CE SR ↑") == "--"
+    assert "mine: 3 episodes of r2r-ce val_unseen; 3 stopped" in text
+
+
+def test_one_method_on_two_benchmarks_is_one_row() -> None:
+    runs = [made_run("mine", THREE), made_run("mine", THREE[2:], "rxr-ce val_unseen language=en-US")]
+    table = build_table(runs, shape_for(runs))
+    assert [row.method for row in table.rows] == ["mine"]
+    text = render(table, "md")
+    assert (cell(text, "mine", "R2R-CE SR ↑"), cell(text, "mine", "RxR-CE SR ↑")) == ("66.7", "0.0")
+
+
+def test_intervals_are_printed_when_asked_for() -> None:
+    table = build_table([made_run("mine", THREE * 1 + [made_result("4", 0.0)])], "vln")
+    assert cell(render(table, "md", intervals=True), "mine", "SR ↑") == "50.0 [0.0, 100.0]"
+    assert cell(render(table, "md"), "mine", "SR ↑") == "50.0"
+
+
+def test_ablations_are_named_and_flagged_by_their_configuration() -> None:
+    runs = [made_run(name, THREE, configuration=Configuration(components=components)) for name, components in ABLATIONS.items()]
+    table = build_table(runs, "ablation")
+    assert [row.method for row in table.rows][:3] == ["Full pipeline", "w/o HSM+L-LM", "w/o HSM"]
+    text = render(table, "md")
+    assert cell(text, "w/o HSM+L-LM", "HSM") == "✗"
+    assert cell(text, "w/o P-SCoT+SC", "SC") == "✗"
+    assert cell(text, "w/o P-SCoT+SC", "P-SCoT") == "n/a"  # rules have no prompt to leave fields out of
+
+
+def test_robot_areas_come_from_tags() -> None:
+    results = [made_result("1", tags={"area": "Hall"}), made_result("2", 0.0, tags={"area": "Office"})]
+    text = render(build_table([made_run("mine", results, "robot")], "robot"), "md")
+    assert cell(text, "mine", "Hall SR ↑") == "100 (1/1)"
+    assert cell(text, "mine", "Overall SR ↑") == "50 (1/2)"
+    assert cell(text, "mine", "Overall NE ↓") == "4.50"
+
+
+def test_costs_and_rates() -> None:
+    usage = {"planner": CallUsage(calls=4, unusable=1, usd=0.02), "executor": CallUsage(calls=16, usd=0.03)}
+    paid = made_run("paid", [made_result("1", usage=usage)])
+    unpriced = made_run("unpriced", [made_result("1", usage={"planner": CallUsage(calls=4, unpriced=4)})])
+    text = render(build_table([paid, unpriced], "calls"), "md")
+    assert cell(text, "paid", "Cost (USD) ↓") == "0.0500"
+    assert cell(text, "unpriced", "Cost (USD) ↓") == "--"  # an unknown price is not zero
+    assert cell(text, "paid", "unusable replies (%) ↓") == "<u>5.0</u>"
+    assert cell(text, "paid", "Planner (s) ↓") == "2.50"
+    deployment = render(build_table([paid], "deployment"), "md")
+    assert cell(deployment, "paid", "Time (min) ↓") == "2.00"
+    assert "GPU" not in render(build_table([paid], "runtime"), "md")  # nothing was measured there
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("form", FORMATS)
+def test_every_shape_in_every_format(shape: str, form: str) -> None:
+    run = made_run("a_b & 50%", [*THREE, made_result("4", tags={"area": "Hall"})])
+    text = render(build_table([run], shape, with_published=True), form, intervals=True)
+    assert text.endswith("\n")
+    if form == "csv":
+        rows = list(csv.reader(io.StringIO(text)))
+        assert len({len(row) for row in rows}) == 1
+    elif form == "md":
+        assert len({line.count("|") for line in text.splitlines() if line.startswith("|")}) == 1
+    else:
+        body = [line for line in text.splitlines() if not line.startswith("%")]
+        assert shape == "ablation" or any(r"a\_b \& 50\%" in line for line in body)
+        assert text.count(r"\begin{") == text.count(r"\end{")
+        assert len({line.count(" & ") for line in body if line.endswith(r"\\") and "multicolumn" not in line}) == 1
+
+
+def test_unknown_shapes_and_formats_are_named() -> None:
+    with pytest.raises(UnknownNameError, match="ablation"):
+        build_table([], "abblation")
+    with pytest.raises(UnknownNameError, match="latex"):
+        render(build_table([], "vln"), "tex")
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({}, "stopped elsewhere"),
+        ({"NE": 4.0}, "stopped near the goal"),
+        ({"OSR": 1.0}, "passed the goal"),
+        ({"NE": None}, "goal unreachable"),
+        ({"SR": None}, None),
+        ({"SR": 1.0}, None),
+    ],
+)
+def test_failures_have_one_class(changes: dict[str, float | None], expected: str | None) -> None:
+    failed = made_result("1", 0.0)
+    result = failed.model_copy(update={"metrics": failed.metrics.model_copy(update=changes)})
+    assert failure_class(result) == expected
+
+
+def test_statuses_decide_first() -> None:
+    results = [
+        made_result("1", 0.0, status=EpisodeStatus.MODEL_FAILURE),
+        made_result("2", 0.0, status=EpisodeStatus.STEP_LIMIT, stop_reason=StopReason.BUDGET),
+        made_result("3"),
+    ]
+    counts = count_failures(results)
+    assert (counts["model failure"], counts["out of steps"], sum(counts.values())) == (1, 1, 2)
+    assert tuple(counts) == CLASSES
+
+
+def test_runs_are_read_back(tmp_path: Path) -> None:
+    run = made_run("x", THREE)
+    write_file(tmp_path / "run.json", run.file)
+    with pytest.raises(UsageError, match="no result"):
+        read_run(str(tmp_path))
+    for result in [*THREE, made_result("9", status=EpisodeStatus.INTERRUPTED)]:
+        folder = tmp_path / "episodes" / result.episode_id
+        folder.mkdir(parents=True)
+        write_file(folder / "result.json", result)
+    write_file(tmp_path / "episodes/1/resources.json", run.resources["1"])
+    read = read_run(f"name={tmp_path}")
+    assert read.label == "name"
+    assert list(read.results) == ["1", "2", "3"]
+    assert read.values("SR") == {"1": 100.0, "2": 100.0, "3": 0.0}
+    assert read.values("planner_s") == {"1": 2.5}
+    with pytest.raises(UsageError, match="Unknown metric"):
+        read.values("beauty")
+    card = reproduction_card(read)
+    for fact in ("c0ffee", "f00d", "numpy 2", "abc", "2026-01-01", "rules reason", "hardware: P"):
+        assert fact in card
+    assert not math.isnan(sum(read.values("NE").values()))
