@@ -12,12 +12,14 @@ from rich.spinner import Spinner
 from rich.text import Text
 
 from spacevln.core import (
+    CallRetried,
     DecisionMade,
     EpisodeSpec,
     Event,
     FallbackUsed,
     InstructionTask,
     LandmarkPool,
+    LookedAround,
     ReplyRefused,
     StageEnded,
     StepTaken,
@@ -77,6 +79,10 @@ class EpisodeProgress:
                 self._print(f"    [dim]ended by {feedback.end.replace('_', ' ')} after {feedback.record.moved_m:.1f} m[/dim]")
             case ReplyRefused(role=role, reason=reason):
                 self._print(f"    [yellow]{role} asked again: {_plain(reason)}[/yellow]")
+            case LookedAround():
+                self._note = "planning"
+            case CallRetried(role=role, kind=kind, wait_s=wait_s):
+                self._print(f"    [yellow]{role}: {kind.replace('_', ' ')}, next request in {wait_s:.1f} s[/yellow]")
             case FallbackUsed(kind=kind):
                 self._print(f"    [yellow]fallback: {kind.replace('_', ' ')}[/yellow]")
             case _:

@@ -63,6 +63,8 @@ def run(
                 result = session.attempt(episode, folder, sinks=(progress,))
     write_file(directory / "summary.json", summarise([result]))
     click.echo(outcome_line(result))
+    if result.usage:
+        click.echo(usage_line(result))
     click.echo(f"record   {folder}")
     if (folder / "topdown.png").exists():
         click.echo(f"picture  {folder / 'topdown.png'}")
@@ -99,6 +101,16 @@ def outcome_line(result: ResultFile) -> str:
     if result.detail and result.status != "stopped":
         parts.append(result.detail)
     return "result   " + ", ".join(parts)
+
+
+def usage_line(result: ResultFile) -> str:
+    """What the episode asked of its models, and what that cost."""
+    parts = [f"{usage.calls} {role} calls" for role, usage in result.usage.items()]
+    tokens = sum(usage.tokens.input_tokens + usage.tokens.output_tokens for usage in result.usage.values())
+    usd = sum(usage.usd for usage in result.usage.values())
+    unpriced = sum(usage.unpriced for usage in result.usage.values())
+    price = f"{usd:.4f} USD" + (f" and {unpriced} calls whose price is not known" if unpriced else "")
+    return "models   " + ", ".join([*parts, f"{tokens:,} tokens", price])
 
 
 def exit_code(result: ResultFile) -> int:
