@@ -1,0 +1,95 @@
+"""Spatial-CoT without its model: goals are medians on one idle thread (planner request 120 ms, executor request 15 ms, parse and
+validate 2 ms).
+
+Run with ``pytest benchmarks/test_prompting.py --benchmark-only``; add ``--benchmark-timer=time.process_time`` on a busy machine.
+The views are of an embedded house, 640 x 480, with three marked things each; the map is what the agent has drawn there.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from spacevln.agent import AgentSettings, NavigationAgent
+from spacevln.control import ControlSettings, validate_subtask
+from spacevln.core import ExecutorContext, ExecutorReply, PlannerContext, PlannerReply
+from spacevln.environments.houses.environment import HousesEnvironment
+from spacevln.evaluation.houses import pick_episode
+from spacevln.perception import LabelDetector
+from spacevln.reasoning.rules import RuleExecutor, RulePlanner
+from spacevln.reasoning.spatial_cot import ExecutorPrompt, Layout, PlannerPrompt, PromptSettings
+from spacevln.testing.dictation import executor_words, planner_words
+
+SHOWN_STAGE = 2
+
+
+class Witness(RulePlanner):
+    """Keeps the situations of the rules' episode."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.plans: list[tuple[PlannerContext, PlannerReply]] = []
+
+    def plan(self, context: PlannerContext) -> PlannerReply:
+        self.plans.append((context, super().plan(context)))
+        return self.plans[-1][1]
+
+
+class ExecutorWitness(RuleExecutor):
+    def __init__(self) -> None:
+        self.acts: list[tuple[ExecutorContext, ExecutorReply]] = []
+
+    def act(self, context: ExecutorContext) -> ExecutorReply:
+        self.acts.append((context, super().act(context)))
+        return self.acts[-1][1]
+
+
+@pytest.fixture(scope="module")
+def situations() -> tuple[Witness, ExecutorWitness, Any]:
+    environment, planner, executor = HousesEnvironment(), Witness(), ExecutorWitness()
+    NavigationAgent(environment, LabelDetector(), planner, executor, AgentSettings(step_limit=90)).run(
+        pick_episode("vln", 9).spec
+    )
+    environment.close()
+    return planner, executor, environment.spec
+
+
+@pytest.mark.parametrize("layout", list(Layout))
+def test_planner_request(benchmark: Any, situations: tuple[Witness, ExecutorWitness, Any], layout: Layout) -> None:
+    planner, _, spec = situations
+    context = planner.plans[SHOWN_STAGE][0]
+    prompt = PlannerPrompt(PromptSettings(layout=layout), spec)
+    request = benchmark(prompt.request, context)
+    benchmark.extra_info["kib"] = sum(len(image.data) for image in request.images) // 1024
+
+
+def test_executor_request(benchmark: Any, situations: tuple[Witness, ExecutorWitness, Any]) -> None:
+    planner, executor, spec = situations
+    seen = planner.plans[SHOWN_STAGE][0].views[0].sightings[:3]
+    context = replace(executor.acts[-1][0], sightings=seen)
+    benchmark(ExecutorPrompt(PromptSettings(), spec).request, context)
+
+
+def test_planner_reply_parsed_and_validated(benchmark: Any, situations: tuple[Witness, ExecutorWitness, Any]) -> None:
+    planner, _, spec = situations
+    context, reply = planner.plans[SHOWN_STAGE]
+    thought = replace(
+        reply.thought, observation="In front there is a hallway with a rug. " * 20, decision="Front leads there. " * 20
+    )
+    text = json.dumps(planner_words(replace(reply, thought=thought)))
+    prompt, settings = PlannerPrompt(PromptSettings(), spec), ControlSettings()
+
+    def parse() -> int:
+        return len(validate_subtask(prompt.parse(text, context), context, settings))
+
+    assert benchmark(parse) == 0
+
+
+def test_executor_reply_parsed(benchmark: Any, situations: tuple[Witness, ExecutorWitness, Any]) -> None:
+    _, executor, spec = situations
+    text = json.dumps(executor_words(executor.acts[0][1]))
+    prompt = ExecutorPrompt(PromptSettings(turn_steps=6), spec)
+    benchmark(prompt.parse, text)
