@@ -69,8 +69,8 @@ class Explored:
         return points[crop.free[row, column]]
 
 
-def explore(seed: int, environment: HousesEnvironment) -> Explored:
-    """Walk through every room, look around, add a Spatial Waypoint at each look-around."""
+def explore(seed: int, environment: HousesEnvironment, rooms: int | None = None) -> Explored:
+    """Walk through every room, or so many, look around, add a Spatial Waypoint at each look-around."""
     place = place_of(f"house-{seed:06d}")
     house, detector = place.drawable.house, LabelDetector()
     explored: Explored | None = None
@@ -81,7 +81,7 @@ def explore(seed: int, environment: HousesEnvironment) -> Explored:
         return replace(seen, pose=pose.relative_to(explored.start), T_world_camera=None)
 
     pending = False
-    for number, stand in enumerate(scripted_walk(Geodesics(place.ground), seed)):
+    for number, stand in enumerate(scripted_walk(Geodesics(place.ground), seed, rooms=rooms)):
         explored = explored or Explored(house, stand.pose)
         pending = pending or stand.looks_around
         if not (pending and stand.room is not None):

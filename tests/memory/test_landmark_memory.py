@@ -109,6 +109,17 @@ def test_attributes_that_contradict_never_arrive_and_rank_last() -> None:
     assert seen("sofa", (LIVING, [black])).arrived
 
 
+def test_an_opening_is_one_by_category_and_by_depth_profile() -> None:
+    shut = thing("door", 10.05, 2.1, surface_m=((10.05, 1.5), (10.05, 2.7)))
+    memory = seen("door", (Pose(8, 2), [shut]))
+    assert memory.pool()[0].kind is CueKind.SOLID
+    memory.update([door((10.05, 1.5), (10.05, 2.7))], Pose(8.2, 2), MAP)
+    assert memory.pool()[0].kind is CueKind.OPENING
+    memory.update([shut], Pose(8.4, 2), MAP)
+    assert memory.pool()[0].kind is CueKind.OPENING, "what was seen once stays seen"
+    assert seen("sofa", (LIVING, [thing("sofa", 13, 2, is_passage=True)])).pool()[0].kind is CueKind.SOLID
+
+
 def test_an_opening_is_where_its_best_view_says() -> None:
     jamb = thing("doorway", 10.05, 2.7, surface_m=((10.05, 2.7), (10.05, 2.7)))
     memory = seen("doorway", (Pose(8, 2), [door((10.05, 1.5), (10.05, 2.7))]), (Pose(9, 2), [jamb]))

@@ -5,18 +5,31 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from spacevln.assembly import Configuration, KnownBuilding, RegisteredEnvironment
-from spacevln.core import EpisodeSpec, InstructionTask, MoveForward, Pose, TurnLeft, UsageError, transform_points
+from spacevln.core import EpisodeSpec, InstructionTask, MoveForward, Pose, RecordError, TurnLeft, UsageError, transform_points
 from spacevln.evaluation.attempt import Session
 from spacevln.evaluation.houses import house_episode
 from spacevln.mapping import MetricMap
 from spacevln.memory import BuildingMemory, HierarchicalSpatialMemory, SavedMemory, load_memory, save_memory
+from spacevln.memory.map_marks import AGENT, FREE, OBSTACLE, REGIONS, THRESHOLD, UNKNOWN
 from spacevln.recording import RecordLevel, read_events
 from spacevln.recording.schema import EpisodeStartedLine, LookedAroundLine, StepTakenLine
 from spacevln.testing.flatland import Flatland
+from spacevln.viewer import draw_memory
 
 FIRST, SECOND = Pose(1.0, 1.0, 0.0, 0.4), Pose(2.0, 1.5, 0.0, -2.0)
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The record of a short episode."""
+    directory = tmp_path_factory.mktemp("record")
+    with Session(Configuration(step_budget=34)) as session:
+        result = session.attempt(house_episode("houses-vln-000003"), directory, level=RecordLevel.LIGHT)
+    assert (result.memory, result.loaded_memory) == ("memory.npz", None)
+    return directory
 
 
 def episode(start: Pose) -> EpisodeSpec:
@@ -64,12 +77,9 @@ def test_two_episodes_draw_one_map(tmp_path: Path) -> None:
     assert known.building.metric_map.floors == (0,)
 
 
-def test_a_run_with_a_memory_says_so_and_keeps_the_frames_apart(tmp_path: Path) -> None:
+def test_a_run_with_a_memory_says_so_and_keeps_the_frames_apart(record: Path, tmp_path: Path) -> None:
     first, second = house_episode("houses-vln-000003"), house_episode("houses-objectnav-000003")
-    with Session(Configuration(step_budget=34)) as session:
-        result = session.attempt(first, tmp_path / "a", level=RecordLevel.LIGHT)
-    assert (result.memory, result.loaded_memory) == ("memory.npz", None)
-    setting = KnownBuilding.of(tmp_path / "a" / "memory.npz")
+    setting = KnownBuilding.of(record / "memory.npz")
     with Session(Configuration(step_budget=34, memory=setting)) as session:
         result = session.attempt(second, tmp_path / "b", level=RecordLevel.LIGHT)
         with pytest.raises(UsageError, match="is of house-000003, the episode is in house-000004"):
@@ -101,3 +111,25 @@ def test_another_file_under_the_same_name_is_refused(tmp_path: Path) -> None:
         setting.load()
     with pytest.raises(UsageError, match="cannot be read"):
         KnownBuilding.of(tmp_path / "none.npz")
+
+
+def test_the_memory_is_drawn_from_the_record_alone(record: Path, tmp_path: Path) -> None:
+    files = draw_memory(record, tmp_path / "pictures")
+    assert [path.name for path in files] == ["metric_map.png", "spatial_memory.png", "rendered_map.png", "memory.txt"]
+    metric_map, spatial, rendered = (np.asarray(Image.open(path)) for path in files[:3])
+    for colour in (FREE, OBSTACLE, UNKNOWN, AGENT):
+        assert (metric_map == colour).all(axis=-1).sum() > 50
+    assert (spatial == REGIONS[0]).all(axis=-1).sum() > 1000
+    assert (spatial == THRESHOLD).all(axis=-1).sum() > 50
+    assert rendered.shape == (480, 440, 3)
+    told = files[3].read_text()
+    assert told.startswith("Here: ")
+    assert "w0" in told
+    again = draw_memory(record, tmp_path / "again")
+    assert [path.read_bytes() for path in again] == [path.read_bytes() for path in files]
+
+
+def test_a_record_without_a_memory_cannot_be_drawn(tmp_path: Path) -> None:
+    with pytest.raises(RecordError, match="holds no final memory"):
+        draw_memory(tmp_path, tmp_path / "pictures")
+    assert not (tmp_path / "pictures").exists()

@@ -172,10 +172,15 @@ class LocalLandmarkMemory:
             confidence=instance.confidence,
             visible=instance.last_image == self._images,
             arrived=self._has_arrived(instance, distance, point, pose, metric_map),
-            kind=self.kind,
+            kind=self._kind(instance),
             attributes=instance.attributes,
             observations=instance.seen_in,
         )
+
+    def _kind(self, instance: _Instance) -> CueKind:
+        """An opening is one by its category and by its depth profile: without a way through, as a shut door, it is solid."""
+        seen_through, _ = instance.best_view
+        return CueKind.SOLID if self.kind is CueKind.OPENING and not seen_through else self.kind
 
     def _has_arrived(
         self, instance: _Instance, distance: float, point: tuple[float, float], pose: Pose, metric_map: SpatialMap
@@ -184,7 +189,7 @@ class LocalLandmarkMemory:
             return False
         if self._traverse:
             return self._changed_floor
-        if distance > ARRIVAL_RADIUS_M[self.kind]:
+        if distance > ARRIVAL_RADIUS_M[self.kind]:  # of what is sought: a door may turn out to be open from nearby
             return False
         in_view = instance.last_image == self._images  # then a chair before the table is no wall
         return in_view or not blocked_by_wall(pose, point, metric_map)

@@ -1,5 +1,6 @@
 """Pictures and pages, made from the record alone; computes nothing (DESIGN 5.9)."""
 
+from spacevln.viewer.memory_maps import draw_memory
 from spacevln.viewer.topdown import draw_topdown
 
-__all__ = ["draw_topdown"]
+__all__ = ["draw_memory", "draw_topdown"]
