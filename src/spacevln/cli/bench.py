@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacevln.cli.costs import usage_line
 from spacevln.cli.data_options import data_options, selection_from
 from spacevln.cli.forecast import forecast_options, tell_forecast
 from spacevln.cli.model_options import access_from
@@ -140,3 +141,5 @@ def tell(summary: SummaryFile, results: list[ResultFile]) -> None:
         click.echo(f"{name:8s} {value:6.1f} {unit:1s}{spread}")
     click.echo(f"statuses {', '.join(f'{name} {count}' for name, count in summary.statuses.items())}")
     click.echo(f"rejections {summary.rejections}, fallbacks {summary.fallbacks}, unreachable {summary.unreachable}")
+    if summary.usage:
+        click.echo(usage_line(summary.usage))

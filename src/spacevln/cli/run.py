@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacevln.cli.costs import usage_line
 from spacevln.cli.model_options import access_from
 from spacevln.cli.options import agent_options, configuration_from
 
@@ -64,7 +65,7 @@ def run(
     write_file(directory / "summary.json", summarise([result]))
     click.echo(outcome_line(result))
     if result.usage:
-        click.echo(usage_line(result))
+        click.echo(usage_line(result.usage))
     click.echo(f"record   {folder}")
     if (folder / "topdown.png").exists():
         click.echo(f"picture  {folder / 'topdown.png'}")
@@ -101,16 +102,6 @@ def outcome_line(result: ResultFile) -> str:
     if result.detail and result.status != "stopped":
         parts.append(result.detail)
     return "result   " + ", ".join(parts)
-
-
-def usage_line(result: ResultFile) -> str:
-    """What the episode asked of its models, and what that cost."""
-    parts = [f"{usage.calls} {role} calls" for role, usage in result.usage.items()]
-    tokens = sum(usage.tokens.input_tokens + usage.tokens.output_tokens for usage in result.usage.values())
-    usd = sum(usage.usd for usage in result.usage.values())
-    unpriced = sum(usage.unpriced for usage in result.usage.values())
-    price = f"{usd:.4f} USD" + (f" and {unpriced} calls whose price is not known" if unpriced else "")
-    return "models   " + ", ".join([*parts, f"{tokens:,} tokens", price])
 
 
 def exit_code(result: ResultFile) -> int:
