@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from spacevln.core import CueKind, Detection, Observation, Sighting
 from spacevln.core.geometry import Float
 from spacevln.language import cue_kind
+from spacevln.language.names import plain_name
 
 MIN_PIXELS = 6  # with depth, inside the mask
 MIN_VALID_SHARE = 0.1  # of the mask's pixels that must have depth
@@ -132,14 +133,14 @@ def _sighting(
     nearest = float(np.sort(ranges)[int(len(ranges) * NEAREST_PERCENTILE / 100)])
     surface = xy if len(xy) <= SURFACE_POINTS else _nearest_by_direction(xy, eye, ranges)
     return Sighting(
-        category=detection.category,
+        category=plain_name(detection.category),
         confidence=detection.confidence,
         box_px=detection.box_px,
         position_m=(float(centre[0]), float(centre[1]), float(centre[2])),
         distance_m=nearest,
         bearing_rad=observation.pose.bearing_rad(float(centre[0]), float(centre[1])),
         extent_m=extent,
-        attributes=detection.attributes,
+        attributes=tuple(map(plain_name, detection.attributes)),
         is_passage=is_passage,
         pixels=pixels,
         surface_m=tuple((float(x), float(y)) for x, y in surface),

@@ -31,8 +31,8 @@ from cot_situations import (
 )
 
 from spacevln.core import ChatRequest, ImagePart, ObjectGoalTask, Role, StageRecord, TextPart, UsageError
+from spacevln.language.names import MAX_NAME_CHARS, plain_name
 from spacevln.reasoning.spatial_cot import ExecutorPrompt, Layout, PlannerPrompt
-from spacevln.reasoning.spatial_cot.names import MAX_NAME_CHARS, plain_name
 from spacevln.reasoning.spatial_cot.templating import render
 from spacevln.reasoning.spatial_cot.transcript import Refusal
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import cached_property
 
 from spacevln.core import ChatRequest, CueKind, EnvironmentSpec, ExecutorContext, ExecutorReply, Part, Role
+from spacevln.language.names import tidy
 from spacevln.memory.arrival import ARRIVAL_RADIUS_M
 from spacevln.reasoning.spatial_cot import pictures, wording
 from spacevln.reasoning.spatial_cot.actions import action_choices, admissible_words
 from spacevln.reasoning.spatial_cot.json_schema import executor_schema
-from spacevln.reasoning.spatial_cot.names import tidy
 from spacevln.reasoning.spatial_cot.parsing import parse_executor
 from spacevln.reasoning.spatial_cot.settings import PromptSettings
 from spacevln.reasoning.spatial_cot.templating import render

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.core import Camera, ContractError, LandmarkPool, Observation, ObstacleDistances, Sighting, View
+from spacevln.language.names import full_name
 from spacevln.reasoning.spatial_cot.lettering import INK, PAPER, PLATE, Colour, letters
-from spacevln.reasoning.spatial_cot.names import full_name
 
 Picture = NDArray[np.uint8]
 

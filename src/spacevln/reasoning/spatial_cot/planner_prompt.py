@@ -24,10 +24,10 @@ from spacevln.core import (
     View,
     egocentric_label,
 )
+from spacevln.language.names import tidy
 from spacevln.memory.arrival import ARRIVAL_RADIUS_M
 from spacevln.reasoning.spatial_cot import pictures, wording
 from spacevln.reasoning.spatial_cot.json_schema import planner_schema
-from spacevln.reasoning.spatial_cot.names import tidy
 from spacevln.reasoning.spatial_cot.parsing import parse_planner
 from spacevln.reasoning.spatial_cot.settings import Layout, PromptSettings
 from spacevln.reasoning.spatial_cot.templating import render

@@ -18,8 +18,8 @@ from spacevln.core import (
     View,
     egocentric_label,
 )
+from spacevln.language.names import full_name, quoted
 from spacevln.reasoning.spatial_cot.actions import words_of
-from spacevln.reasoning.spatial_cot.names import full_name, quoted
 from spacevln.reasoning.spatial_cot.pictures import bearing_words, nearest_sightings, obstacle_words
 
 STATUS = {AnchorStatus.VERIFIED: "done", AnchorStatus.CURRENT: "here", AnchorStatus.PENDING: "ahead"}
