@@ -1,6 +1,6 @@
 """Configuration, and the one place that names concrete classes."""
 
-from spacevln.assembly.build import build_agent, build_environment, prompt_settings
+from spacevln.assembly.build import build_agent, build_detector, build_environment, prompt_settings
 from spacevln.assembly.configuration import (
     ComponentSettings,
     Configuration,
@@ -28,6 +28,7 @@ __all__ = [
     "RegisteredEnvironment",
     "ablation_of",
     "build_agent",
+    "build_detector",
     "build_environment",
     "prompt_settings",
 ]

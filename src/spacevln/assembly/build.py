@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from spacevln.agent import AgentSettings, Components, NavigationAgent
 from spacevln.assembly.configuration import Configuration
-from spacevln.core import ChatModel, Environment, EnvironmentSpec, EventSink, Executor, Planner, Role, UsageError
+from spacevln.core import ChatModel, Detector, Environment, EnvironmentSpec, EventSink, Executor, Planner, Role, UsageError
 from spacevln.environments.houses.environment import HousesEnvironment
 from spacevln.perception import LabelDetector
 from spacevln.reasoning.rules import RuleExecutor, RulePlanner
@@ -21,6 +21,11 @@ def build_environment(configuration: Configuration) -> Environment:
     """
     settings = configuration.environment
     return HousesEnvironment(sliding=settings.sliding, renderer=settings.renderer)
+
+
+def build_detector(configuration: Configuration) -> Detector:
+    """What grounds landmarks."""
+    return LabelDetector(**configuration.detector.model_dump())
 
 
 def build_agent(
@@ -40,7 +45,7 @@ def build_agent(
     Raises:
         UsageError: a model is needed and not given.
     """
-    detector = LabelDetector(**configuration.detector.model_dump())
+    detector = build_detector(configuration)
     settings = AgentSettings(
         components=Components(**configuration.components.model_dump()),
         step_limit=configuration.step_budget,

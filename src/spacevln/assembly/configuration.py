@@ -138,7 +138,7 @@ class Configuration(_Settings):
     """Configuration of a run.
 
     Args:
-        driver: ``agent``, or a baseline: ``random``, ``forward``, ``oracle`` (the shortest path, by ground truth).
+        driver: ``agent``, or a baseline: ``random``, ``forward``, ``frontier``, ``oracle`` (the shortest path, by ground truth).
         environment: where it drives.
         detector: what grounds landmarks.
         components: which parts of the agent are on.
@@ -149,7 +149,7 @@ class Configuration(_Settings):
         step_budget: environment steps per episode, STOP included; None takes the task's (260 instructions, 280 object goals).
     """
 
-    driver: Literal["agent", "random", "forward", "oracle"] = "agent"
+    driver: Literal["agent", "random", "forward", "frontier", "oracle"] = "agent"
     environment: HousesSettings = HousesSettings()
     detector: LabelDetectorSettings = LabelDetectorSettings()
     components: ComponentSettings = ComponentSettings()

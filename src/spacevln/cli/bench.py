@@ -46,7 +46,7 @@ def run_options(command: Any) -> Any:
 @data_options
 @click.option(
     "--driver",
-    type=click.Choice(["agent", "random", "forward", "oracle"]),
+    type=click.Choice(["agent", "random", "forward", "frontier", "oracle"]),
     default="agent",
     show_default=True,
     help="The agent, or a baseline.",

@@ -43,7 +43,7 @@ def agent_options(command: F) -> F:
     return command
 
 
-Driver = Literal["agent", "random", "forward", "oracle"]
+Driver = Literal["agent", "random", "forward", "frontier", "oracle"]
 Reasoner = Literal["rules", "vlm"]
 
 

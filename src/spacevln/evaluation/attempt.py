@@ -10,11 +10,12 @@ from pathlib import Path
 from types import TracebackType
 
 from spacevln.agent import EpisodeResult
-from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_environment
+from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_detector, build_environment
 from spacevln.core import Environment, Event, EventSink, RecordError, SpendingLimit, UsageError
 from spacevln.evaluation import resources
-from spacevln.evaluation.baselines import ForwardWalker, OracleWalker, RandomWalker, walk
+from spacevln.evaluation.baselines import BLIND_M, ForwardWalker, OracleWalker, RandomWalker, walk
 from spacevln.evaluation.episode import Episode
+from spacevln.evaluation.frontier import FrontierWalker
 from spacevln.evaluation.score import environment_failure, score
 from spacevln.memory import BuildingMemory, SavedMemory, save_memory
 from spacevln.models import ModelDesk, RunAccess
@@ -126,10 +127,13 @@ class Session(AbstractContextManager["Session"]):
                 walk(RandomWalker(episode.episode_id.encode()), episode, self._environment, sinks)
             case "forward":
                 walk(ForwardWalker(), episode, self._environment, sinks)
+            case "frontier":
+                detector = build_detector(self._configuration)
+                walk(FrontierWalker(episode.spec.task, detector, BLIND_M), episode, self._environment, sinks)
             case "oracle":
                 if episode.truth is None:
                     raise UsageError(f"{episode.episode_id!r} has no truth that an oracle could follow: use a suite's episode.")
-                walk(OracleWalker(episode.truth), episode, self._environment, sinks)
+                walk(OracleWalker(episode.truth, episode.start), episode, self._environment, sinks)
         return None
 
 

@@ -22,6 +22,7 @@ from spacevln.core import (
     EventSink,
     Motion,
     MoveForward,
+    Observation,
     Pose,
     StepTaken,
     Stop,
@@ -34,15 +35,17 @@ from spacevln.evaluation.episode import Episode, GroundTruth
 BLIND_FORWARDS = 37
 """Forward moves after which a blind walker stops: 9.25 m, the mean length of a route."""
 
+BLIND_M = BLIND_FORWARDS * 0.25
+
 FORWARD_SHARE = 0.68
 """Share of forward moves of the random walker, that of VLN-CE's ground-truth actions."""
 
 
 class Walker(Protocol):
-    """Chooses primitives without looking."""
+    """Chooses primitives."""
 
-    def next(self, pose: Pose) -> Action:
-        """The next primitive at a pose in the scene frame."""
+    def next(self, observation: Observation) -> Action:
+        """The next primitive at an observation, whose pose is in the episode frame."""
 
 
 class RandomWalker:
@@ -52,9 +55,9 @@ class RandomWalker:
         self._rng = np.random.default_rng(list(seed))
         self._forwards = 0
 
-    def next(self, pose: Pose) -> Action:
+    def next(self, observation: Observation) -> Action:
         """Draw."""
-        del pose
+        del observation
         if self._forwards == BLIND_FORWARDS:
             return Stop()
         if self._rng.random() < FORWARD_SHARE:
@@ -69,9 +72,9 @@ class ForwardWalker:
     def __init__(self) -> None:
         self._forwards = 0
 
-    def next(self, pose: Pose) -> Action:
+    def next(self, observation: Observation) -> Action:
         """Go on."""
-        del pose
+        del observation
         self._forwards += 1
         return MoveForward() if self._forwards <= BLIND_FORWARDS else Stop()
 
@@ -79,37 +82,37 @@ class ForwardWalker:
 class OracleWalker:
     """The shortest way to the goal, by the ground truth."""
 
-    def __init__(self, truth: GroundTruth) -> None:
-        self._truth = truth
+    def __init__(self, truth: GroundTruth, start: Pose) -> None:
+        self._truth, self._start = truth, start
 
-    def next(self, pose: Pose) -> Action:
+    def next(self, observation: Observation) -> Action:
         """Follow the shortest path."""
-        return self._truth.follow(pose)
+        return self._truth.follow(self._start.compose(observation.pose))
 
 
 def walk(walker: Walker, episode: Episode, environment: Environment, sinks: Sequence[EventSink]) -> None:
     """Run a walker through an episode, with the agent's step budget."""
     begin = time.perf_counter()
     budget = StepBudget(default_step_limit(episode.spec.task))
-    pose = environment.reset(episode.spec).pose
-    _emit(sinks, EpisodeStarted(episode.spec, pose))
+    observation = environment.reset(episode.spec)
+    _emit(sinks, EpisodeStarted(episode.spec, observation.pose))
     collisions = 0
     action: Action = MoveForward()
     while not isinstance(action, Stop):
-        action = walker.next(episode.start.compose(pose)) if budget.can_move else Stop()
+        action = walker.next(observation) if budget.can_move else Stop()
         motion: Motion = environment.execute(action)
         budget.spend()
         collisions += motion.collided
-        pose = pose if isinstance(action, Stop) else environment.observe().pose
+        observation = observation if isinstance(action, Stop) else environment.observe()
         phase = "stop" if isinstance(action, Stop) else "execute"
-        _emit(sinks, StepTaken(budget.taken, 0, phase, action, motion, pose, None))
+        _emit(sinks, StepTaken(budget.taken, 0, phase, action, motion, observation.pose, None))
     forced = budget.left == 0
     ended = EpisodeEnded(
         status=EpisodeStatus.STEP_LIMIT if forced else EpisodeStatus.STOPPED,
         stop_reason=StopReason.BUDGET if forced else StopReason.GATE,
         stopped=True,
         detail="",
-        pose=pose,
+        pose=observation.pose,
         steps=budget.taken,
         lookaround_steps=0,
         align_steps=0,
