@@ -35,6 +35,7 @@ WEIGHT = {
     T.NOTICE: 0.2,
 }
 PASS_M = 2.5
+SURELY = 0.3  # agreement of a room with a region type
 NEAR_M = 1.5
 STRAIGHT_RAD = math.radians(50)
 SIDE_LOW_RAD, SIDE_HIGH_RAD = math.radians(20), math.radians(165)
@@ -49,6 +50,7 @@ class Option:
     s_m: float
     score: float
     crossing: int = 0
+    bars: int = 0  # uses of the crossing after which this one is out of order
     turn: int = -1  # index of the bend that it explains
 
 
@@ -264,7 +266,7 @@ class Matcher:
                 if phrase is None or not phrase.region
                 else self.world.compatible(phrase.region, leg.node.floor, leg.node.room)
             )
-            return [Option(leg.length_m, weight * (0.7 + 0.3 * agree), LEAVES)]
+            return [Option(leg.length_m, weight * (0.7 + 0.3 * agree), LEAVES, bars=ENTERS)]
         if phrase is None:
             return [Option(leg.length_m, 0.7 * weight, ENTERS)]
         if phrase.kind is NounKind.OPENING:
@@ -272,7 +274,8 @@ class Matcher:
             agree = self.portal_fits(phrase, leg.portal, leg)
             if phrase.region:
                 agree *= 0.7 + 0.3 * self.world.compatible(phrase.region, leg.node.floor, target)
-            return [Option(leg.length_m, weight * agree, use)]
+            own_way = use == THROUGH and not clause.text.startswith("through")  # "enter it through the door" is one crossing
+            return [Option(leg.length_m, weight * agree, use, bars=ENTERS if own_way else 0)]
         if phrase.kind is NounKind.REGION:
             if clause.type is T.THROUGH:
                 return []
@@ -290,6 +293,14 @@ class Matcher:
                 )
             ]
         return []
+
+    def goes_on_beyond(self, clause: Clause, leg: Leg) -> bool:
+        """Whether a clause happens in the space behind the crossing at the end of a leg, which implies to go there."""
+        phrase = clause.place
+        if phrase is None or phrase.kind is not NounKind.REGION or leg.portal is None:
+            return False
+        beyond = self.world.portal_rooms[leg.portal.id][1 - leg.side]
+        return clause.type in (T.ALONG, T.ACROSS, T.LEAVE) and self.world.compatible(phrase.head, leg.node.floor, beyond) > SURELY
 
     def portal_fits(self, phrase: NounPhrase, portal: Portal, leg: Leg) -> float:
         """Agreement of a portal with a phrase's kind, attributes, side and ordinal: 1 down to 0.1."""

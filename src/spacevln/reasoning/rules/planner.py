@@ -29,7 +29,7 @@ from spacevln.reasoning.rules.flights import Crossing
 from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, reachable_goal, way_length_m
 from spacevln.reasoning.rules.object_goal import at_goal, find_object
 from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses, with_implied_climb
-from spacevln.reasoning.rules.search import Hypothesis, Search, worth
+from spacevln.reasoning.rules.search import LAST_STEPS, Hypothesis, Search, worth
 from spacevln.reasoning.rules.sightings import XY
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.thought import describe_here, observation_text, progress_text
@@ -40,7 +40,6 @@ WALK_COST_PER_M = 0.02
 FAILURE_COST = 0.8
 OTHER_FLOOR_M = 6.0
 LEAST_AGREEMENT = 0.3  # of the clauses' weights, that a stop place must have while steps are left to look on
-LAST_STEPS = 45
 SAME_ENTRY_M = 1.0
 
 
@@ -98,6 +97,7 @@ class RulePlanner:
             world = state.world(context, state.floor_of(context))
             reached = False
         else:
+            state.follow_crossing(context.pose, state.floor_of(context))
             reached = state.judge_last_stage(context, state.floor_of(context))
             world = state.observe(context)
         here = describe_here(context, world)
@@ -122,13 +122,10 @@ class RulePlanner:
 
     def _crossing(self, context: PlannerContext) -> Goal | None:
         """On a flight, the goal is its far end, until one stands there."""
-        state, floor = self._state, self._state.floor_of(context)
-        if state.crossing is None:
+        crossing = self._state.crossing
+        if crossing is None:
             return None
-        if not context.rejections and not state.crossing.go_on(context.pose):
-            state.end_crossing(floor, context.pose)
-            return None
-        return self._along(state.crossing, floor, (self._final(context),), "the flight goes on")
+        return self._along(crossing, self._state.floor_of(context), (self._final(context),), "the flight goes on")
 
     @staticmethod
     def _along(crossing: Crossing, floor: int, rest: tuple[Anchor, ...], reason: str) -> Goal:

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacevln.language import Clause, ClauseType, NounKind
+from spacevln.reasoning.rules.beliefs import Beliefs
+from spacevln.reasoning.rules.grid import NOWHERE
 from spacevln.reasoning.rules.legs import Leg, Node
 from spacevln.reasoning.rules.matching import WEIGHT, Matcher, thing_fits
 from spacevln.reasoning.rules.route import REACHED_BY, part_of_stairs
@@ -25,6 +27,8 @@ T = ClauseType
 SKIP = 0.8  # of a clause's weight, lost when it is not followed
 HOPE = (0.35, 0.62)  # of a clause's weight, expected of what is not seen yet: with few steps left, with many
 HOPE_STEPS = (50, 170)
+LAST_STEPS = 45  # with fewer one stops where the landmark of the stop was not found
+UNSEEN_STOP = 0.2  # of a stop's score where that landmark was not seen
 BARE_STOP = 0.65  # of a stop's weight, where it names nothing
 UNMENTIONED_CROSSING = 0.45
 UNMENTIONED_TURN = 0.25
@@ -33,6 +37,9 @@ BEAM = 28
 DEPTH = 8
 SLACK_M = 1.0
 LEG_COST_PER_M = 0.01
+LIKELY = 0.8  # of a clause's weight, for a room that surely holds what it names
+UNLIKELY_AT_MOST, LIKELY_AT_MOST = 0.4, 0.15  # what was not seen is never worth as much as what was
+EDGE, EDGE_PER_M = 0.8, 0.3  # what the edge of the known floor is worth less than a way out, and more by its width
 NO = -math.inf
 APPROACH_M = 0.65
 CLIMBED = -10  # and less: the node's "portal" is a flight of stairs
@@ -101,7 +108,8 @@ def advance(
         states[j + 1].extend((score - SKIP * weight, s, mask, turns) for score, s, mask, turns in kept)
         for option in matcher.options(clause, leg):
             for score, s, mask, turns in kept:
-                if option.s_m < s - SLACK_M or mask & option.crossing or (option.turn >= 0 and turns >> option.turn & 1):
+                used_up = mask & (option.crossing | option.bars) or (option.turn >= 0 and turns >> option.turn & 1)
+                if option.s_m < s - SLACK_M or used_up:
                     continue
                 used = turns | (1 << option.turn) if option.turn >= 0 else turns
                 states[j + 1].append((score + option.score, max(s, option.s_m), mask | option.crossing, used))
@@ -109,10 +117,11 @@ def advance(
     big = [i for i, (s, angle) in enumerate(leg.turns) if abs(angle) > BIG_TURN_RAD and not (first and s < 1e-6)]
     cost = LEG_COST_PER_M * leg.length_m
     out = []
-    for options in states:
+    for j, options in enumerate(states):
         best = NO
+        implied = crossing and j < count and matcher.goes_on_beyond(clauses[j], leg)
         for score, _, mask, turns in options:
-            lost = UNMENTIONED_CROSSING if crossing and not mask else 0.0
+            lost = UNMENTIONED_CROSSING if crossing and not mask and not implied else 0.0
             lost += UNMENTIONED_TURN * sum(1 for i in big if not turns >> i & 1)
             best = max(best, score - lost - cost)
         out.append(best)
@@ -137,12 +146,14 @@ class Search:
         self.world = world
         self.clauses = tuple(clauses)
         self.matcher = Matcher(world)
+        self._looks_on = steps_left >= LAST_STEPS
         share = min(1.0, max(0.0, (steps_left - HOPE_STEPS[0]) / (HOPE_STEPS[1] - HOPE_STEPS[0])))
         hope = HOPE[0] + share * (HOPE[1] - HOPE[0])
         tail = [0.0]
         for clause in reversed(self.clauses):
             tail.append(tail[-1] + hope * worth(clause))
         self.tail = tail[::-1]
+        self._beliefs: dict[str, Beliefs] = {}
         self._approach: dict[tuple[int, int], XY | None] = {}
 
     def run(self, start: Node) -> list[Hypothesis]:
@@ -190,12 +201,14 @@ class Search:
     def _crossings(self, trail: Trail) -> Iterator[Trail]:
         node = trail.node
         used = {leg.portal.id for leg in trail.legs if leg.portal is not None}
+        left_behind = {(leg.node.floor, leg.node.room) for leg in trail.legs} - {(node.floor, node.room)}
         for portal, side in self.world.portals_of(node.floor, node.room):
             if portal.id in used:
                 continue
             leg = self.world.leg(node, portal.beside(side, 0.35), "cross", portal, side)
-            if leg is not None:
-                yield self._step(trail, leg, self.world.across(portal, side))
+            beyond = self.world.across(portal, side)
+            if leg is not None and (beyond.room == NOWHERE or (beyond.floor, beyond.room) not in left_behind):
+                yield self._step(trail, leg, beyond)
         yield from self._climbs(trail)
 
     def _climbs(self, trail: Trail) -> Iterator[Trail]:
@@ -223,12 +236,29 @@ class Search:
             return None
         j = self._followed(trail.vector)
         value = trail.vector[j] + self.tail[j] - (0.1 if node.room else 0.0)
+        value += self._likely(j, node.floor, node.room, self.world.portal_rooms[portal.id][trail.legs[-1].side])
         side = trail.legs[-1].side
         goal = next(
             (xy for reach in (1.2, 1.0, 0.8, 0.6) if self.world.room_at(node.floor, xy := portal.beside(1 - side, reach), 0.1)),
             portal.beside(1 - side, 0.7),
         )
         return Hypothesis(trail, value, goal, node.floor, False, j, "portal")
+
+    def _likely(self, followed: int, floor: int, room: int, before: int) -> float:
+        """How much more a room promises than any other, when the next thing to come to is of a kind met in some rooms only."""
+        if floor != self.world.floor:
+            return 0.0
+        coming = next(
+            (clause for clause in self.clauses[followed:] if clause.type not in (T.TURN, T.STRAIGHT, T.TURN_AROUND)), None
+        )
+        if coming is None or coming.place is None or coming.place.kind is not NounKind.OBJECT:
+            return 0.0
+        name = coming.place.head
+        if name not in self._beliefs:
+            self._beliefs[name] = Beliefs(self.world, name)
+        beliefs = self._beliefs[name]
+        more = beliefs.holds(room, before) - beliefs.holds(NOWHERE)
+        return WEIGHT[coming.type] * min(max(LIKELY * more, -UNLIKELY_AT_MOST), LIKELY_AT_MOST)
 
     def _edges(self, trail: Trail) -> Iterator[Hypothesis]:
         """Edges of the known floor in the room of a node, and unclimbed stairs."""
@@ -241,7 +271,8 @@ class Search:
                 continue
             onward = self._step(trail, leg, node)
             j = self._followed(onward.vector)
-            value = onward.vector[j] + self.tail[j] - 0.55 + 0.3 * min(1.5, frontier.width_m)
+            value = onward.vector[j] + self.tail[j] - EDGE + EDGE_PER_M * min(1.5, frontier.width_m)
+            value += self._likely(j, node.floor, node.room, NOWHERE)
             yield Hypothesis(onward, value, frontier.position_m, node.floor, False, j, "frontier")
         for stairs in self.world.stairs_of(node.floor, node.room):
             flight = self.world.flights.get(stairs.id)
@@ -278,7 +309,8 @@ class Search:
                 None,
             )
             phrase = last.place if last is not None and last.type not in (T.ENTER, T.LEAVE) else None
-            yield self.inside(node), BARE_STOP * weight, None, "inside"
+            missing = phrase is not None and phrase.kind is NounKind.OBJECT and self._looks_on
+            yield self.inside(node), BARE_STOP * weight * (UNSEEN_STOP if missing else 1.0), None, "inside"
         share = BARE_STOP if bare else 1.0
         if phrase is None:
             return

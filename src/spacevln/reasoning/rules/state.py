@@ -70,10 +70,13 @@ class EpisodeState:
         frontiers = context.memory.frontiers if context.memory is not None else ()
         return World(self.sightings, self.grids, frontiers, floor, self.links, self.levels, self.visited)
 
-    def end_crossing(self, floor: int, pose: Pose) -> None:
-        """The flight is behind one, or was none."""
-        crossing, self.crossing = self.crossing, None
-        if crossing is not None and floor != crossing.floor:
+    def follow_crossing(self, pose: Pose, floor: int) -> None:
+        """Take in a boundary's pose on a flight; the crossing ends when the flight is behind one, or was none."""
+        crossing = self.crossing
+        if crossing is None or crossing.go_on(pose):
+            return
+        self.crossing = None
+        if floor != crossing.floor:
             self.link(crossing.floor, crossing.began, floor, pose)
             self.last_pose, self.levels[floor] = (floor, pose), pose.z_m
 
