@@ -143,7 +143,7 @@ def test_removed_things_are_cleared_and_the_rest_stays() -> None:
 
 def test_bad_depth_is_no_measurement() -> None:
     frame = look(WORLD, Pose(0, 0))
-    for bad in (0.0, -1.0, np.nan, np.inf, 0.3, 5.5, 1000.0):
+    for bad in (0.0, -1.0, np.nan, np.inf, 0.3, 5.5, 65.535):
         world_map = MetricMap()
         depth = np.full_like(frame.depth_m, bad)
         world_map.integrate(Observation(frame.rgb, depth, frame.pose, frame.camera))
@@ -265,6 +265,16 @@ def test_wrong_input_is_refused_with_a_sentence() -> None:
         world_map.integrate(Observation(frame.rgb, frame.depth_m, Pose(math.nan, 0), frame.camera))
     with pytest.raises(UsageError, match="divide raw millimetres"):
         Observation(frame.rgb, (frame.depth_m * 1000).astype(np.uint16), frame.pose, frame.camera)
+    with pytest.raises(UsageError, match="divide millimetres"):
+        world_map.integrate(Observation(frame.rgb, frame.depth_m * 1000, frame.pose, frame.camera))
+    optical = frame.T_world_camera.copy()
+    optical[:3, :3] = optical[:3, :3] @ np.array([(0, 0, 1), (-1, 0, 0), (0, -1, 0)])
+    with pytest.raises(UsageError, match="convert optical frames"):
+        world_map.integrate(Observation(frame.rgb, frame.depth_m, frame.pose, frame.camera, optical))
+    with pytest.raises(UsageError, match="where a rotation is needed"):
+        world_map.integrate(Observation(frame.rgb, frame.depth_m, frame.pose, frame.camera, 2 * frame.T_world_camera))
+    with pytest.raises(UsageError, match="one depth in metres per pixel"):
+        Observation(frame.rgb, frame.depth_m[:-1], frame.pose, frame.camera)
     with pytest.raises(UsageError, match="cells of"):
         MetricMap(resolution_m=0.0)
     with pytest.raises(UsageError, match="side of the square"):

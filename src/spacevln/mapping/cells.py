@@ -32,6 +32,9 @@ GROUND_BIN = 6  # bin that starts at the feet
 OBSTACLE_BIN = 9  # bin that starts at 0.15 m
 FLOOR_BINS = 0b1_1111_0000  # -0.10 to 0.15 m
 
+CLIMB_BINS = 4  # 0.20 m, the highest step that is climbed
+STEEPEST = 0.95  # of a flight, height bins per cell
+
 
 def free_of(seen: NDArray[np.uint8], solid: NDArray[np.uint8]) -> NDArray[Any]:
     """Known free floor."""

@@ -104,7 +104,7 @@ class FloorView:
     def _refresh(self) -> None:
         floor = self._floor
         if self._version != floor.version:
-            floor.reachable.refresh(floor.seen, floor.solid)
+            floor.reachable.refresh(floor.seen, floor.solid, floor.ground)
             self._grids.clear()
             self._fields.clear()
             self._version = floor.version

@@ -16,6 +16,7 @@ from spacevln.mapping.tiles import TiledLayer
 
 _STAIRS_REACH_M = 1.0
 _TREADS_REACH_M = 1.5  # the next storey's floor is seen beyond the last tread
+_LANDING_REACH_M = 4.0
 _BLIND_M = 1.2
 _SAME_STRIDE_M = 0.6  # a longer way between two frames is not walked over in a straight line
 
@@ -69,16 +70,19 @@ class FrameWriter:
         seen, solid, ground = self._read(floor, i0, j0, shape)
         before = seen.copy(), solid.copy()
         rise_m = pose.z_m - floor.z_m
-        feet_bins = round(rise_m / HEIGHT_BIN_M)
         on_stairs, level = abs(rise_m) > ON_STAIRS_M, abs(rise_m) <= LEVEL_M
-        self._stamp(pose, floor, seen, solid)
-        far_m = _STAIRS_REACH_M if on_stairs else DEPTH_TO_M
-        projection.see_floor(self._depth_m, self._view, resolution_m, self._heights, seen, far_m)
+        feet_bins = 0 if level else round(rise_m / HEIGHT_BIN_M)
+        self._stamp(pose, floor, (seen, solid, ground), feet_bins)
+        if not on_stairs:
+            projection.see_floor(self._depth_m, self._view, resolution_m, self._heights, seen)
+        if level:
+            settling.drop_treads_over_floor(seen, ground)
         camera_ij = self._view[9] / resolution_m, self._view[10] / resolution_m
         stairs_cells = (_TREADS_REACH_M if on_stairs else 4 * DEPTH_TO_M) / resolution_m
-        if settling.find_stairs(
+        found = settling.find_stairs(
             self._heights, seen, ground, feet_bins, not level, camera_ij, stairs_cells, _BLIND_M / resolution_m
-        ):
+        )
+        if found or not level:
             floor.ground.write(i0, j0, ground)
         radius_cells = (_STAIRS_REACH_M if on_stairs else 4 * DEPTH_TO_M) / resolution_m
         settling.settle(self._heights, seen, solid, ground, feet_bins, camera_ij, radius_cells)
@@ -87,16 +91,14 @@ class FrameWriter:
         self._store(floor, i0, j0, (seen, solid), before)
         self._last = pose, floor
 
-    def settle_body(self, pose: Pose, floor: Floor) -> None:
-        """Write only that the body is here."""
-        span = math.ceil((_SAME_STRIDE_M + self.agent_radius_m) / self.resolution_m) + 2
+    def leave(self, left: Floor, reached: Floor, pose: Pose) -> None:
+        """Another floor was reached: its landing, seen from the last treads, belongs to it."""
+        span = math.ceil(_LANDING_REACH_M / self.resolution_m)
         i0, j0 = math.floor(pose.x_m / self.resolution_m) - span, math.floor(pose.y_m / self.resolution_m) - span
-        self._origin = (i0, j0)
-        seen, solid, _ = self._read(floor, i0, j0, (2 * span, 2 * span))
+        seen, solid, ground = self._read(left, i0, j0, (2 * span, 2 * span))
         before = seen.copy(), solid.copy()
-        self._stamp(pose, floor, seen, solid)
-        self._store(floor, i0, j0, (seen, solid), before)
-        self._last = pose, floor
+        settling.drop_landing(seen, ground, round((reached.z_m - left.z_m) / HEIGHT_BIN_M))
+        self._store(left, i0, j0, (seen, solid), before)
 
     def settle_sightings(self, sightings: Sequence[Sighting], floor: Floor) -> None:
         """Mark the cells around the points where landmarks were sighted."""
@@ -133,7 +135,9 @@ class FrameWriter:
         floor.solid.write(i0 + a, j0, after[1][a:b])
         floor.changed(i0 + a, j0, i0 + b, j0 + after[0].shape[1])
 
-    def _stamp(self, pose: Pose, floor: Floor, seen: NDArray[np.uint8], solid: NDArray[np.uint8]) -> None:
+    def _stamp(
+        self, pose: Pose, floor: Floor, cells: tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.int8]], feet_bins: int
+    ) -> None:
         """Free the body's footprint and its way since the last frame."""
         here = pose.x_m / self.resolution_m - self._origin[0], pose.y_m / self.resolution_m - self._origin[1]
         there = here
@@ -142,7 +146,7 @@ class FrameWriter:
                 self._last[0].x_m / self.resolution_m - self._origin[0],
                 self._last[0].y_m / self.resolution_m - self._origin[1],
             )
-        settling.stamp_body(seen, solid, there, here, self.agent_radius_m / self.resolution_m)
+        settling.stamp_body(*cells, feet_bins, there, here, self.agent_radius_m / self.resolution_m)
 
     def _frustum(self, observation: Observation) -> tuple[int, int, int, int]:
         """Window (i0, j0, rows, columns) of the cells that the image can show, and of the body's way."""

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from spacevln.core import Frontier, Observation, ObstacleDistances, Pose, Sighting, UsageError
 from spacevln.mapping import persistence, sectors
+from spacevln.mapping.contract import check_frame
 from spacevln.mapping.crops import MapCrop, crop_floor
 from spacevln.mapping.floor_view import FloorView, points_xy
 from spacevln.mapping.floors import Floor, FloorTracker, StairConnector
@@ -27,9 +28,11 @@ Mask = NDArray[np.bool_]
 class MetricMap:
     """A metric map of any posed RGB-D stream: what is explored, free and an obstacle, and the ways on it.
 
-    Input contract: each :class:`Observation` has depth in metres along the optical axis of a rectified pinhole camera, the pose
-    of the agent's feet, and ``T_world_camera``, all in one fixed frame with z up. Depth outside 0.5 to 5.0 m, zero, negative,
-    NaN and infinite depth is no measurement. Every query is about the current floor; all points are metres in that frame.
+    Input contract: each :class:`Observation` has depth in metres along the optical axis of a rectified pinhole camera (H, W,
+    floating point), the pose of the agent's feet, and ``T_world_camera`` (4, 4; camera x forward, y left, z up), all in one fixed
+    frame with z up. Depth outside 0.5 to 5.0 m, zero, negative, NaN and infinite depth is no measurement. Frames may come in
+    any order, from anywhere; the floor is told from the height of the feet. Every query is about the current floor
+    (:meth:`on_floor` asks another); all points are metres in that frame, (N, 2) or (2,).
 
     Args:
         resolution_m: side of a cell.
@@ -50,7 +53,8 @@ class MetricMap:
         self._tracker = FloorTracker(agent_radius_m / resolution_m)
         self._writer = FrameWriter(resolution_m, agent_radius_m)
         self._trace = Trace()
-        self._pending: list[Observation] = []
+        self._decided = 0  # places of the trace whose floor is certain
+        self._pending: list[tuple[Observation, tuple[Sighting, ...]]] = []
         self._views: dict[int, FloorView] = {}
         self._nowhere = FloorTracker(1.0).open(0, 0.0)  # before the first frame
 
@@ -64,30 +68,31 @@ class MetricMap:
             sightings: lifted detections of the active landmark terms.
 
         Raises:
-            UsageError: the pose is not finite.
+            UsageError: the pose or the camera's transform is not finite or no rigid transform, the camera frame is an optical
+                one, or the depth is not in metres.
         """
+        check_frame(observation)
         pose = observation.pose
-        if (
-            not np.isfinite([pose.x_m, pose.y_m, pose.z_m, pose.yaw_rad]).all()
-            or not np.isfinite(observation.T_world_camera).all()
-        ):
-            raise UsageError(f"Observation.pose {pose} or T_world_camera is not finite: give a pose in metres and radians.")
         self._writer.project(observation)
         before = self._tracker.current
         floor = self._tracker.update(pose, self._writer.flat_cells)
         self._trace.append(pose.x_m, pose.y_m, floor.id)
-        if floor is not before and before is not None:
-            # The frames that showed the new floor to be one were not written yet.
-            for earlier in self._pending:
-                self._writer.project(earlier)
-                self._writer.settle(earlier, floor)
-            self._pending.clear()
-            self._writer.project(observation)
-        if self._tracker.stable_steps:
-            self._pending.append(observation)
-            self._writer.settle_body(pose, floor)
+        if self._tracker.stable_steps:  # on which floor this was seen is decided by the next frames
+            self._pending.append((observation, tuple(sightings)))
             return
-        self._pending.clear()
+        if self._pending:
+            self._trace.relabel(self._decided, floor.id)
+            for frame, found in self._pending:
+                self._writer.project(frame)
+                self._settle(frame, found, floor)
+            self._pending.clear()
+            if before is not None and before is not floor:
+                self._writer.leave(before, floor, pose)
+            self._writer.project(observation)
+        self._settle(observation, sightings, floor)
+        self._decided = len(self._trace)
+
+    def _settle(self, observation: Observation, sightings: Sequence[Sighting], floor: Floor) -> None:
         self._writer.settle(observation, floor)
         self._writer.settle_sightings(sightings, floor)
 
@@ -100,7 +105,7 @@ class MetricMap:
     def start_episode(self) -> None:
         """Keep what is known and begin anew, e.g. after :meth:`load`: the next pose may be anywhere in the same frame."""
         self._tracker.start_episode()
-        self._trace = Trace()
+        self._trace, self._decided = Trace(), 0
         self._writer.resume(None, None)
         self._pending.clear()
         self.start_stage()
@@ -136,7 +141,7 @@ class MetricMap:
         """
         state = persistence.unpack(arrays)
         world_map = cls(state.resolution_m, state.agent_radius_m)
-        world_map._tracker, world_map._trace = state.tracker, state.trace
+        world_map._tracker, world_map._trace, world_map._decided = state.tracker, state.trace, len(state.trace)
         world_map._writer.resume(state.tracker.last, state.tracker.current)
         return world_map
 

@@ -75,7 +75,6 @@ def see_floor(
     resolution_m: float,
     heights: NDArray[np.uint32],
     seen: NDArray[np.uint8],
-    far_m: float,
 ) -> None:  # pragma: no cover - compiled
     """Flag the cells whose floor the image shows, and those below the image over which its lowest rays pass."""
     rows, columns = depth_m.shape
@@ -88,7 +87,7 @@ def see_floor(
                 continue
             dy = (j + 0.5) * resolution_m - view[10]
             forward = view[0] * dx + view[3] * dy - view[6] * view[11]
-            if forward < 0.02 or forward > far_m:
+            if forward < 0.02 or forward > DEPTH_TO_M:
                 continue
             left = view[1] * dx + view[4] * dy - view[7] * view[11]
             if fx * left > cx * forward or fx * left <= (cx - columns) * forward:

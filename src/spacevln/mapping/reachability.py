@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.mapping import wavefront
-from spacevln.mapping.cells import FREE_EVIDENCE
 from spacevln.mapping.tiles import TILE_CELLS, TiledLayer
 
 
 @dataclass(slots=True, eq=False)
 class Reachability:
-    """Two layers that follow ``seen`` and ``solid``, tile by tile.
+    """Two layers that follow ``seen``, ``solid`` and ``ground``, tile by tile.
 
     Args:
         passable: 1 where the centre of the body may be.
@@ -48,7 +47,7 @@ class Reachability:
         columns = range((j0 - reach) // TILE_CELLS, (j1 - 1 + reach) // TILE_CELLS + 1)
         self.changed.update(itertools.product(rows, columns))
 
-    def refresh(self, seen: TiledLayer, solid: TiledLayer) -> None:
+    def refresh(self, seen: TiledLayer, solid: TiledLayer, ground: TiledLayer) -> None:
         """Bring both layers up to date."""
         reach = self._reach
         span, inner = TILE_CELLS + 2 * reach, slice(reach, -reach)
@@ -56,9 +55,8 @@ class Reachability:
             if (ti, tj) not in seen.tiles:
                 continue  # nothing is known to be free there
             i0, j0 = ti * TILE_CELLS, tj * TILE_CELLS
-            flags = seen.window(i0 - reach, j0 - reach, span, span)
-            blocks = solid.window(i0 - reach, j0 - reach, span, span)
-            grid = wavefront.passable(flags, blocks, FREE_EVIDENCE, self.radius_cells)
+            flags, blocks, heights = (layer.window(i0 - reach, j0 - reach, span, span) for layer in (seen, solid, ground))
+            grid = wavefront.passable(flags, blocks, heights, self.radius_cells)
             self.passable.write(i0, j0, grid[inner, inner])
             self.border.write(i0, j0, _border(grid, flags)[inner, inner])
         self.changed.clear()

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from spacevln.mapping.cells import (
     BODY,
+    CLIMB_BINS,
     FLOOR,
     FLOOR_BINS,
     GROUND_BIN,
@@ -16,15 +17,18 @@ from spacevln.mapping.cells import (
     LOWEST_BIN_M,
     OBSTACLE_BIN,
     STAIR,
+    STEEPEST,
     SWEPT,
     UNDER,
 )
 
-_STEP_BINS = 4  # 0.20 m, the highest step that is climbed
 _STAIR_JOIN_CELLS = 6  # treads over eye level are not seen: risers are joined over a tread
 _STAIR_MIN_CELLS = 80
-_FLIGHT_SLOPE = (0.5, 0.95)
+_FLATTEST = 0.5
 _FLIGHT_REST_BINS = 1.35
+_SOLID_BINS = 24  # 8 bits of 3 bins
+_LANDING_BINS = 2
+_OVER_FLOOR_BINS = 12  # a tread this high over a cell whose floor is seen is no tread of this storey
 _FLIGHT_WIDTH_CELLS = 12
 TREAD_TOP_BIN = GROUND_BIN + 6  # over a tread, the riser of the next one may share its cell
 
@@ -123,7 +127,7 @@ def find_stairs(
             near = (i + 0.5 - camera_ij[0]) ** 2 + (j + 0.5 - camera_ij[1]) ** 2 <= radius_cells * radius_cells
             if bits >> OBSTACLE_BIN != 0 and near:
                 low, high = _span(bits)
-                if high - low <= _STEP_BINS:
+                if high - low <= CLIMB_BINS:
                     level[i, j] = high
     new = 0
     for i in range(2, n_i - 2):
@@ -138,9 +142,11 @@ def find_stairs(
             if even and highest >= GROUND_BIN + rise_bins:
                 for k in range(end):
                     a, b = queue[k, 0], queue[k, 1]
+                    height = -level[a, b] - 2 - GROUND_BIN + feet_bins
+                    if seen[a, b] & FLOOR != 0 and abs(height) >= _OVER_FLOOR_BINS:
+                        continue  # the landing of the next storey over this one's floor
                     if seen[a, b] & STAIR == 0:
                         new += 1
-                    height = -level[a, b] - 2 - GROUND_BIN + feet_bins
                     ground[a, b] = max(height, ground[a, b]) if seen[a, b] & STAIR != 0 else height
                     seen[a, b] |= STAIR
     return new
@@ -160,9 +166,9 @@ def _reached(
     for a in range(i - 2, i + 3):
         for b in range(j - 2, j + 3):
             if seen[a, b] & STAIR != 0:
-                if abs(ground[a, b] - feet_bins + GROUND_BIN - level) <= _STEP_BINS:
+                if abs(ground[a, b] - feet_bins + GROUND_BIN - level) <= CLIMB_BINS:
                     return True
-            elif level <= GROUND_BIN + _STEP_BINS:
+            elif level <= GROUND_BIN + CLIMB_BINS:
                 bits = np.int64(heights[a, b])
                 if (bits & FLOOR_BINS != 0 and bits >> OBSTACLE_BIN == 0) or seen[a, b] & (FLOOR | SWEPT | BODY) != 0:
                     return True
@@ -189,7 +195,7 @@ def _is_flight(level: NDArray[np.int8], queue: NDArray[np.int32], count: int) ->
     g_i, g_j = (s_jj * s_ih - s_ij * s_jh) / determinant, (s_ii * s_jh - s_ij * s_ih) / determinant
     slope = np.hypot(g_i, g_j)  # bins of 5 cm per cell
     rest = (s_hh - g_i * s_ih - g_j * s_jh) / count
-    if not (_FLIGHT_SLOPE[0] <= slope <= _FLIGHT_SLOPE[1]) or rest > _FLIGHT_REST_BINS**2:
+    if not (_FLATTEST <= slope <= STEEPEST) or rest > _FLIGHT_REST_BINS**2:
         return False
     low, high, off = np.inf, -np.inf, 0
     for k in range(count):
@@ -215,7 +221,7 @@ def _climb(level: NDArray[np.int8], queue: NDArray[np.int32], i: int, j: int) ->
         for c in range(max(0, a - _STAIR_JOIN_CELLS), min(n_i, a + _STAIR_JOIN_CELLS + 1)):
             for d in range(max(0, b - _STAIR_JOIN_CELLS), min(n_j, b + _STAIR_JOIN_CELLS + 1)):
                 there = int(level[c, d])
-                if there < 0 or abs(there - here) > _STEP_BINS:
+                if there < 0 or abs(there - here) > CLIMB_BINS:
                     continue
                 highest = max(highest, there)
                 level[c, d] = -there - 2
@@ -241,13 +247,18 @@ def settle(
             bits = np.int64(heights[i, j])
             if bits == 0 or (i + 0.5 - camera_ij[0]) ** 2 + (j + 0.5 - camera_ij[1]) ** 2 > reach:
                 continue
-            first, shift = OBSTACLE_BIN, 0
+            # Heights count from the cell's own ground: a tread, the storey's floor where it was seen, else the feet.
+            first = OBSTACLE_BIN
             if seen[i, j] & STAIR != 0:
-                first = TREAD_TOP_BIN
-                shift = ground[i, j] - feet_bins
+                first = TREAD_TOP_BIN + ground[i, j] - feet_bins
                 solid[i, j] = 0
-            first = min(max(first + shift, 0), 62)
-            standing = bits >> first
+            elif seen[i, j] & FLOOR != 0:
+                first = OBSTACLE_BIN - feet_bins
+            standing = np.int64(0)
+            if 0 <= first < 32:
+                standing = bits >> first
+            elif -_SOLID_BINS < first < 0:
+                standing = (bits << -first) & ((1 << _SOLID_BINS) - 1)
             if standing != 0:
                 seen[i, j] |= HIT
                 for b in range(8):
@@ -258,10 +269,37 @@ def settle(
 
 
 @numba.njit(cache=True)
+def drop_treads_over_floor(seen: NDArray[np.uint8], ground: NDArray[np.int8]) -> None:  # pragma: no cover - compiled
+    """Where the storey's own floor is seen, what was taken for a high tread lies on another storey."""
+    for i in range(seen.shape[0]):
+        for j in range(seen.shape[1]):
+            over_floor = seen[i, j] & (STAIR | FLOOR | BODY) == STAIR | FLOOR
+            if over_floor and abs(ground[i, j]) >= _OVER_FLOOR_BINS:
+                seen[i, j] &= ~np.uint8(STAIR)
+
+
+@numba.njit(cache=True)
+def drop_landing(seen: NDArray[np.uint8], ground: NDArray[np.int8], level_bins: int) -> None:  # pragma: no cover - compiled
+    """Take the treads at the height of the storey that was reached out of the one that was left."""
+    for i in range(seen.shape[0]):
+        for j in range(seen.shape[1]):
+            if seen[i, j] & STAIR != 0 and abs(ground[i, j] - level_bins) <= _LANDING_BINS:
+                seen[i, j] &= ~np.uint8(STAIR)
+                if seen[i, j] & FLOOR == 0:
+                    seen[i, j] &= ~np.uint8(BODY)
+
+
+@numba.njit(cache=True)
 def stamp_body(
-    seen: NDArray[np.uint8], solid: NDArray[np.uint8], a_ij: tuple[float, float], b_ij: tuple[float, float], radius_cells: float
+    seen: NDArray[np.uint8],
+    solid: NDArray[np.uint8],
+    ground: NDArray[np.int8],
+    feet_bins: int,
+    a_ij: tuple[float, float],
+    b_ij: tuple[float, float],
+    radius_cells: float,
 ) -> None:  # pragma: no cover - compiled
-    """Free the cells that the body covered on its way from a to b."""
+    """Free the cells that the body covered on its way from a to b; where it stood off the floor's height it stood on treads."""
     along_i, along_j = b_ij[0] - a_ij[0], b_ij[1] - a_ij[1]
     length2 = along_i * along_i + along_j * along_j
     for i in range(
@@ -274,5 +312,8 @@ def stamp_body(
             di, dj = i + 0.5 - a_ij[0], j + 0.5 - a_ij[1]
             t = 0.0 if length2 == 0.0 else min(1.0, max(0.0, (di * along_i + dj * along_j) / length2))
             if (di - t * along_i) ** 2 + (dj - t * along_j) ** 2 <= radius_cells * radius_cells:
+                if feet_bins != 0 and seen[i, j] & STAIR == 0:
+                    seen[i, j] |= STAIR
+                    ground[i, j] = feet_bins
                 seen[i, j] |= BODY
                 solid[i, j] = 0

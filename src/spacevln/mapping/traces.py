@@ -23,6 +23,9 @@ class Trace:
         trace._rows, trace._count, trace.stage_from = np.array(rows, np.float64).reshape(-1, 3), len(rows), stage_from
         return trace
 
+    def __len__(self) -> int:
+        return self._count
+
     def append(self, x_m: float, y_m: float, floor: int) -> None:
         """Add a place; a repeated one (a turn) is dropped."""
         if self._count and np.array_equal(self._rows[self._count - 1], (x_m, y_m, floor)):
@@ -31,6 +34,10 @@ class Trace:
             self._rows = np.concatenate([self._rows, np.empty((max(64, self._count), 3))])
         self._rows[self._count] = x_m, y_m, floor
         self._count += 1
+
+    def relabel(self, first: int, floor: int) -> None:
+        """The places from the given one on turn out to lie on a floor."""
+        self._rows[first : self._count, 2] = floor
 
     def start_stage(self) -> None:
         """The stage trace begins anew at the last place."""

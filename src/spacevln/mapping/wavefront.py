@@ -1,7 +1,8 @@
 """Kernels of geodesic distance on a grid: inflation, fast marching, descent, straightening, line of sight.
 
-Distances solve the eikonal equation on the 4-neighbour grid (Sethian 1996), so they are not bound to the grid's directions.
-The queue is a ring of buckets and values may be corrected after expansion, which gives the fast-marching solution without a
+Distances solve the eikonal equation on the triangles between a cell and its eight neighbours (Sethian 1996; Kimmel and
+Sethian 1998), so they are not bound to the grid's directions. The queue is a ring of buckets and values may be corrected after
+expansion, which gives the fast-marching solution without a
 heap. Cells count in units of one cell; ``(i + 0.5, j + 0.5)`` is the centre of a cell.
 """
 
@@ -13,32 +14,64 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from spacevln.mapping.cells import CLIMB_BINS, FREE_EVIDENCE, STAIR, STEEPEST
+
 _BUCKETS = 8
 _BUCKET_CELLS = 0.6
+_STEPS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
 _EXACT_CELLS = 10  # around the start, straight distances replace the grid's
 
 
 @numba.njit(cache=True)
 def passable(
-    seen: NDArray[np.uint8], solid: NDArray[np.uint8], free_flags: int, radius_cells: float
+    seen: NDArray[np.uint8], solid: NDArray[np.uint8], ground: NDArray[np.int8], radius_cells: float
 ) -> Any:  # pragma: no cover - compiled
-    """1 where the centre of the body may be: known free, no obstacle's cell centre nearer than the radius. The rim is 0."""
+    """1 where the centre of the body may be: known free, no obstacle's cell centre nearer than the radius. The rim is 0.
+
+    A tread that stands higher over the cell than stairs climb on the way to it is an obstacle too: nobody steps on a flight
+    from its side, or from its head down to the floor below.
+    """
     n_i, n_j = seen.shape
     out = np.zeros((n_i, n_j), np.uint8)
     for i in range(1, n_i - 1):
         for j in range(1, n_j - 1):
-            if seen[i, j] & free_flags != 0 and solid[i, j] == 0:
+            if seen[i, j] & FREE_EVIDENCE != 0 and solid[i, j] == 0:
                 out[i, j] = 1
-    reach = int(radius_cells)
+    reach, radius2 = int(radius_cells), radius_cells * radius_cells - 1e-6
     for i in range(n_i):
         for j in range(n_j):
-            if solid[i, j] == 0:
-                continue
-            for a in range(max(0, i - reach), min(n_i, i + reach + 1)):
-                for b in range(max(0, j - reach), min(n_j, j + reach + 1)):
-                    if (a - i) ** 2 + (b - j) ** 2 < radius_cells * radius_cells - 1e-6:
-                        out[a, b] = 0
+            if solid[i, j] != 0:
+                for a in range(max(0, i - reach), min(n_i, i + reach + 1)):
+                    for b in range(max(0, j - reach), min(n_j, j + reach + 1)):
+                        if (a - i) ** 2 + (b - j) ** 2 < radius2:
+                            out[a, b] = 0
+            elif seen[i, j] & STAIR != 0:
+                _block_beside(out, seen, ground, i, j, max(1, reach), max(1.5, radius2))
     return out
+
+
+@numba.njit(cache=True)
+def _block_beside(
+    out: NDArray[np.uint8],
+    seen: NDArray[np.uint8],
+    ground: NDArray[np.int8],
+    i: int,
+    j: int,
+    reach: int,
+    radius2: float,
+) -> None:  # pragma: no cover - compiled
+    """Close the lower one of a tread and each cell near it when no flight could lead from one to the other."""
+    for a in range(max(0, i - reach), min(out.shape[0], i + reach + 1)):
+        for b in range(max(0, j - reach), min(out.shape[1], j + reach + 1)):
+            away2 = (a - i) ** 2 + (b - j) ** 2
+            if away2 < radius2 and seen[a, b] != 0:
+                other = ground[a, b] if seen[a, b] & STAIR != 0 else 0
+                rise = ground[i, j] - other
+                limit = CLIMB_BINS + 1 + STEEPEST * np.sqrt(away2)
+                if rise > limit:
+                    out[a, b] = 0
+                elif -rise > limit:
+                    out[i, j] = 0
 
 
 @numba.njit(cache=True)
@@ -91,6 +124,17 @@ def nearest_open(
 
 
 @numba.njit(cache=True)
+def _over_edge(straight: np.float32, diagonal: np.float32) -> Any:  # pragma: no cover - compiled
+    """Shortest way [cells] to a cell over the edge between a neighbour and the diagonal one beside it, values linear between."""
+    gap = straight - diagonal
+    if gap <= 0:
+        return straight + np.float32(1)
+    if gap >= np.float32(0.70710678):
+        return diagonal + np.float32(1.41421356)
+    return straight + np.sqrt(np.float32(1) - gap * gap)
+
+
+@numba.njit(cache=True)
 def march(grid: NDArray[np.uint8], start_i: float, start_j: float) -> Any:  # pragma: no cover - compiled
     """Distance [cells] of every passable cell from a start inside a passable cell; inf where none leads.
 
@@ -123,16 +167,18 @@ def march(grid: NDArray[np.uint8], start_i: float, start_j: float) -> Any:  # pr
         heads[slot] = following[c]
         queued[c] = 0
         waiting -= 1
-        for side in range(4):
-            n = c + (n_j if side == 0 else -n_j if side == 1 else 1 if side == 2 else -1)
+        for side in range(8):
+            step_i, step_j = _STEPS[side]
+            n = c + step_i * n_j + step_j
             if cells[n] == 0:
                 continue
-            a, b = min(time[n - n_j], time[n + n_j]), min(time[n - 1], time[n + 1])
-            gap = a - b
-            if gap >= 1 or gap <= -1 or gap != gap:
-                value = np.float32(min(a, b) + 1)
+            if side < 4:  # straight: between c and the nearer one of its two neighbours across
+                value = _over_edge(time[c], min(time[c + step_j * n_j + step_i], time[c - step_j * n_j - step_i]))
             else:
-                value = np.float32((a + b + np.sqrt(2 - gap * gap)) * np.float32(0.5))
+                beside, before = c + step_i * n_j, c + step_j
+                if cells[beside] == 0 and cells[before] == 0:
+                    continue  # no body passes between two closed cells
+                value = _over_edge(min(time[beside], time[before]), time[c])
             if value < time[n] - np.float32(1e-3):
                 time[n] = value
                 if queued[n] == 0:
