@@ -149,7 +149,7 @@ def _subtask(answer: StageVariables, verdict: Verdict) -> Subtask:
     return Subtask(
         chain=chain,
         current_index=current,
-        current_anchor=_anchor(answer.current_anchor),
+        current_anchor=_same_in_chain(_anchor(answer.current_anchor), chain, current),
         next_anchor=None if answer.next_anchor is None else _same_in_chain(_anchor(answer.next_anchor), chain, current + 1),
         direction=" ".join((answer.direction or "").casefold().split()),
         instruction=answer.instruction.strip(),
@@ -171,4 +171,4 @@ def _anchor(place: Place) -> Anchor:
 
 def _same_in_chain(anchor: Anchor, chain: tuple[Anchor, ...], index: int) -> Anchor:
     """The chain's own anchor, which knows its kind, where the reply repeats it; else as it was written."""
-    return chain[index] if index < len(chain) and same_anchor(anchor, chain[index]) else anchor
+    return chain[index] if 0 <= index < len(chain) and same_anchor(anchor, chain[index]) else anchor
