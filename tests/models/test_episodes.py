@@ -134,7 +134,7 @@ def test_an_episode_over_http_is_the_episode_of_its_author(tmp_path: Path) -> No
 def test_every_call_is_recorded_whole(tmp_path: Path) -> None:
     folder = tmp_path / "episode"
     sink, recorder = EventList(), EpisodeRecorder(folder)
-    Dictated(tmp_path).run(sink, recorder)
+    Dictated(tmp_path).run(sink, recorder, limit=20)
     recorder.close()
     called = [event for event in sink.events if isinstance(event, ModelCalled)]
     lines = [line for line in read_events(folder) if line.event == "model_called"]
@@ -175,7 +175,7 @@ def test_an_executor_that_fails_hands_the_stage_back(tmp_path: Path) -> None:
         return Refuse(500) if '"choice"' in words else Say(words)
 
     sink = EventList()
-    result = Dictated(tmp_path, spoil).run(sink, limit=30)
+    result = Dictated(tmp_path, spoil).run(sink, limit=20)
     assert "FallbackUsed" in sink.names()
     assert result.status in (EpisodeStatus.STEP_LIMIT, EpisodeStatus.MODEL_FAILURE)
 

@@ -101,13 +101,13 @@ class Endpoint:
             ) as response:
                 raw = self._read(response.iter_bytes(), deadline, timeout_s)
         except openai.APITimeoutError as error:
-            raise self._failed("timeout", f"no reply within {timeout_s:.0f} s", retryable=True) from error
+            raise self._failed("timeout", f"no reply within {round(timeout_s, 1):g} s", retryable=True) from error
         except openai.APIStatusError as error:
             raise self._refused(error) from None  # its text is the server's and may repeat the key
         except openai.APIConnectionError as error:
             raise self._failed("connection", f"no connection ({_root(error)})", retryable=True) from error
         except httpx2.TimeoutException as error:
-            raise self._failed("timeout", f"the reply stopped and {timeout_s:.0f} s passed", retryable=True) from error
+            raise self._failed("timeout", f"the reply stopped and {round(timeout_s, 1):g} s passed", retryable=True) from error
         except httpx2.HTTPError as error:
             raise self._failed("reset", f"the connection broke in mid-reply ({_root(error)})", retryable=True) from error
         return self._json(raw)
@@ -123,7 +123,7 @@ class Endpoint:
         try:
             return tuple(model.id for model in self.client.models.list(timeout=timeout_s).data or ())
         except openai.APITimeoutError as error:
-            raise self._failed("timeout", f"no reply within {timeout_s:.0f} s", retryable=True) from error
+            raise self._failed("timeout", f"no reply within {round(timeout_s, 1):g} s", retryable=True) from error
         except openai.APIStatusError as error:
             raise self._refused(error) from None  # its text is the server's and may repeat the key
         except openai.APIConnectionError as error:
@@ -138,7 +138,7 @@ class Endpoint:
             if len(raw) > MAX_BODY_BYTES:
                 raise self._failed("broken_reply", f"a body of over {MAX_BODY_BYTES:,} bytes", retryable=True)
             if self.clock() > deadline:
-                raise self._failed("timeout", f"the reply was still coming after {timeout_s:.0f} s", retryable=True)
+                raise self._failed("timeout", f"the reply was still coming after {round(timeout_s, 1):g} s", retryable=True)
         return bytes(raw)
 
     def _json(self, raw: bytes) -> Any:

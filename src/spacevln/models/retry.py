@@ -86,7 +86,7 @@ class Retrier(Generic[T]):
                     raise ModelError(f"{many} to the model failed, {last}.") from failure
                 if self.timing.clock() + wait_s >= deadline:
                     raise ModelError(
-                        f"The model gave no reply within {self.settings.total_s:.0f} s ({attempt} requests, {last})."
+                        f"The model gave no reply within {round(self.settings.total_s, 1):g} s ({attempt} requests, {last})."
                     ) from failure
                 on_retry(Retried(attempt, failure, wait_s))
                 self.timing.sleep(wait_s)
@@ -96,7 +96,7 @@ class Retrier(Generic[T]):
         wait_s = self.ledger.reserve()
         if self.timing.clock() + wait_s >= deadline:
             raise ModelError(
-                f"The run's rate limit leaves no place for this request within {self.settings.total_s:.0f} s: "
+                f"The run's rate limit leaves no place for this request within {round(self.settings.total_s, 1):g} s: "
                 "raise --requests-per-minute or use fewer --workers."
             )
         if wait_s > 0:
