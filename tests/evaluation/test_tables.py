@@ -175,7 +175,7 @@ def test_costs_and_rates() -> None:
     assert cell(text, "paid", "Planner (s) ↓") == "2.50"
     deployment = render(build_table([paid], "deployment"), "md")
     assert cell(deployment, "paid", "Time (min) ↓") == "2.00"
-    assert "GPU" not in render(build_table([paid], "runtime"), "md")  # nothing was measured there
+    assert "GPU (GB)" not in render(build_table([paid], "runtime"), "md")  # nothing was measured there
 
 
 @pytest.mark.parametrize("shape", SHAPES)

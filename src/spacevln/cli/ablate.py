@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 @agent_options
 def ablate(suite: str, workers: int, deadline: float | None, level: str, out: Path | None, **options: Any) -> None:
     """Run SUITE with each of the paper's nine presets and print its Table 4; the same command on the same --out resumes."""
+    from spacevln.assembly import ABLATIONS
     from spacevln.cli.output import describe_run, prepare
     from spacevln.evaluation.runner import Job, bench, claim_directory
     from spacevln.evaluation.runs import read_run
@@ -32,6 +33,8 @@ def ablate(suite: str, workers: int, deadline: float | None, level: str, out: Pa
     selection = selection_from(suite, options)
     check_world(selection)
     base = configuration_from(options)
+    if base.components != ABLATIONS["full"]:
+        raise click.UsageError("`ablate` goes through the presets itself: leave --preset and --without out.")
     episodes = selection.load()
     home = prepare(out)
     presets, same = distinct_presets(base)

@@ -9,6 +9,7 @@ from typing import NoReturn
 import click
 
 from spacevln import __version__
+from spacevln.cli.ablate import ablate
 from spacevln.cli.bench import bench
 from spacevln.cli.compare import compare
 from spacevln.cli.doctor import doctor
@@ -31,6 +32,7 @@ def cli() -> None:
     \b
     spacevln run                         watch an agent follow an instruction through a furnished house
     spacevln bench houses-vln            measure it on many houses
+    spacevln ablate houses-vln           the same with each of the paper's nine presets
     spacevln table DIR...                print runs in the shape of the paper's tables
     spacevln compare A B                 compare two runs episode by episode
     spacevln replay RECORD               rerun a recorded episode offline, from its stored replies
@@ -42,6 +44,7 @@ def cli() -> None:
 
 cli.add_command(run)
 cli.add_command(bench)
+cli.add_command(ablate)
 cli.add_command(table)
 cli.add_command(compare)
 cli.add_command(replay)

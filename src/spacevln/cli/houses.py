@@ -94,3 +94,25 @@ def export(seed: int, out: Path | None) -> None:
     from spacevln.environments.houses.house import build_house
 
     click.echo(export_glb(build_house(seed), out or Path(f"house-{seed:06d}.glb")))
+
+
+@houses.command()
+@click.argument("name", type=click.Choice(["houses-vln", "houses-objectnav"]))
+@click.option("--split", type=click.Choice(["test", "dev"]), default="test", show_default=True)
+@click.option("--houses", "count", type=click.IntRange(min=1), default=None, help="Only the first so many houses.")
+@click.option(
+    "--out", type=click.Path(path_type=Path, file_okay=False), default=Path("suites"), show_default=True, help="Folder."
+)
+def suite(name: str, split: str, count: int | None, out: Path) -> None:
+    """Write a stored suite in the file format of R2R-CE or HM3D-OVON; `bench --data FILE` runs it."""
+    from dataclasses import replace
+
+    from rich.progress import Progress
+
+    from spacevln.evaluation.suites import PLANS, write_suite
+
+    plan = PLANS[split] if count is None else replace(PLANS[split], houses=count)
+    with Progress(transient=True) as bar:
+        task = bar.add_task("houses", total=plan.houses)
+        path = write_suite(name, split, out, plan, lambda done: bar.update(task, completed=done))
+    click.echo(path)
