@@ -48,6 +48,18 @@ def test_another_frame_of_reference_gives_the_transformed_map(x: float, y: float
     assert abs(other.geodesic_m(*ends) - BASE.geodesic_m((-1.0, 1.5), (2.3, -1.5))) < 0.2
 
 
+@settings(max_examples=10, deadline=None)
+@given(i=st.integers(-500, 500), j=st.integers(-500, 500))
+def test_kilometres_away_a_map_costs_the_same_and_is_the_same(i: int, j: int) -> None:
+    shift = np.array([i, j]) * TILE_CELLS * BASE.resolution_m
+    other = mapped([moved(frame, Pose(*shift)) for frame in FRAMES])
+    for name in ("is_explored", "is_free", "is_obstacle"):
+        assert np.mean(getattr(BASE, name)(GRID) == getattr(other, name)(GRID + shift)) > 0.999, name
+    layers = [(a._tracker.floors[0].seen, a._tracker.floors[0].solid) for a in (BASE, other)]
+    for here, there in zip(*layers, strict=True):
+        assert {(a + i, b + j) for a, b in here.tiles} == set(there.tiles)
+
+
 @settings(max_examples=15, deadline=None)
 @given(order=st.permutations(range(len(FRAMES))))
 def test_order_of_frames_does_not_matter_for_explored(order: list[int]) -> None:
@@ -122,3 +134,50 @@ def test_memory_grows_with_the_explored_area_only() -> None:
         for frame in FRAMES[:2]:
             world_map.integrate(moved(frame, Pose(0, 0)))
     assert world_map.nbytes <= before + 64 * 3 * 8  # the trace
+
+
+def test_a_cell_costs_a_byte_per_layer_and_only_touched_tiles_are_held() -> None:
+    world_map = MetricMap()
+    for k in range(12):
+        world_map.integrate(moved(FRAMES[k % 6], Pose(4.0 * k, -3.0 * k)))
+    world_map.frontiers(Pose(0, 0))
+    floor = world_map._tracker.floors[0]
+    layers = [floor.seen, floor.solid, floor.ground, floor.reachable.passable, floor.reachable.border]
+    touched = [sum(bool(tile.any()) for tile in layer.tiles.values()) for layer in layers]
+    assert sum(len(layer.tiles) for layer in layers) <= 2 * sum(touched)
+    cells = sum(touched) * TILE_CELLS**2
+    assert cells <= sum(layer.nbytes for layer in layers) <= 3 * cells
+    assert world_map.nbytes == sum(layer.nbytes for layer in layers) + world_map._trace.nbytes
+
+
+def test_a_frame_costs_no_more_on_a_long_walk() -> None:
+    world_map, tiles, windows = MetricMap(), [], []
+    for k in range(200):
+        world_map.integrate(moved(FRAMES[0], Pose(10.0 * k, 0.0)))
+        floor = world_map._tracker.floors[0]
+        tiles.append(len(floor.reachable.changed))
+        world_map.frontiers(Pose(10.0 * k, 0.0))
+        windows.append(world_map.geodesic_field((10.0 * k, 0.0)).grid.passable.size)
+    assert max(tiles[100:]) <= max(tiles[:100]) <= 9
+    assert max(windows[100:]) <= max(windows[:100])
+    assert sum(buffer.size for buffer in world_map._writer._scratch.values()) < 5_000_000
+
+
+def test_ways_follow_the_map_as_it_changes() -> None:
+    wall = (0.9, -3.0, 0.0, 1.0, 3.0, 2.0)
+    open_room, closed_room = room(-2, -2, 3, 2), [*room(-2, -2, 3, 2), wall]
+    world_map = MetricMap()
+    for k in range(8):
+        world_map.integrate(look(open_room, Pose(-0.5, 0, 0, k * math.pi / 4)))
+    assert world_map.geodesic_m((-0.5, 0), (2.0, 0.5)) < 2.7
+    world_map.integrate(look(closed_room, Pose(-0.5, 0)))
+    blocked = world_map.geodesic_m((-0.5, 0), (2.0, 0.5))
+    assert blocked > 2.7
+    assert not world_map.line_of_sight((-0.5, 0), (2.0, 0.5))
+    for _ in range(2):
+        for k in range(8):
+            world_map.integrate(look(open_room, Pose(-0.5, 0, 0, k * math.pi / 4)))
+    assert world_map.geodesic_m((-0.5, 0), (2.0, 0.5)) < 2.7
+    again = MetricMap.from_arrays(world_map.to_arrays())
+    pose = Pose(-0.5, 0)
+    assert again.frontiers(pose) == world_map.frontiers(pose)  # kept up piece by piece as if made at once
