@@ -17,5 +17,5 @@ def usage_line(usage: Mapping[str, CallUsage]) -> str:
     written = sum(part.tokens.output_tokens for part in usage.values())
     parts.append(f"{read:,} tokens in ({100 * cached / max(read, 1):.0f} % cached), {written:,} out")
     usd, unpriced = sum(part.usd for part in usage.values()), sum(part.unpriced for part in usage.values())
-    parts.append(f"{usd:.4f} USD" + (f" and {unpriced} calls whose price is not known" if unpriced else ""))
+    parts.append(f"{usd:.4f} USD" + (f", {unpriced} of unknown price" if unpriced else ""))
     return "models   " + ", ".join(parts)
