@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -67,9 +68,10 @@ OFF = {
 
 
 def settings(row: str = "full", **changes: Any) -> PromptSettings:
-    return PromptSettings(**(OFF[row] | changes))
+    return PromptSettings(**({"view_width_px": 96, "forward_width_px": 96} | OFF[row] | changes))
 
 
+@cache
 def picture(seed: int) -> np.ndarray:
     rng = np.random.default_rng(seed)
     return np.kron(rng.integers(40, 220, (12, 16, 3)), np.ones((40, 40, 1))).astype(np.uint8)
@@ -87,6 +89,7 @@ def candidate(category: str = "bench", **changes: Any) -> LandmarkCandidate:
     return LandmarkCandidate(category=category, **(facts | changes))
 
 
+@cache
 def views(count: int = 12) -> tuple[View, ...]:
     step = 360 // count
     found = {0: (seen(),), 1: (seen(box_px=(560, 200, 640, 320)),)}

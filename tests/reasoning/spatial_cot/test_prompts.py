@@ -58,11 +58,16 @@ def decoded(part: ImagePart) -> np.ndarray:
     return cv2.imdecode(np.frombuffer(part.data, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
 
 
+FULL_SIZE = {"view_width_px": 512, "forward_width_px": 512}
+
+
 def plan_request(context=None, row="full", body=BODY, refusals=(), **changes) -> ChatRequest:
+    changes = FULL_SIZE | changes
     return PlannerPrompt(settings(row, **changes), body).request(context or later_call(), refusals)
 
 
 def act_request(context=None, row="full", refusals=(), **changes) -> ChatRequest:
+    changes = FULL_SIZE | changes
     return ExecutorPrompt(settings(row, **changes), BODY).request(context or query(), refusals)
 
 
