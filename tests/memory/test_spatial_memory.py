@@ -20,7 +20,7 @@ TEXT = """\
 Here: living room 1
 Waypoints around you (direction, way):
 w2 hallway 1: doorway | left 30 | 4.0 m
-w3 kitchen 1: wooden dining table, stove, doorway | left 30 | 6.0 m via w4
+w3 kitchen 1: wooden dining table, stove, doorway | left 30 | 5.9 m via w4
 w1 hallway 1: doorway | left 30 | 7.0 m via w2
 w0 bedroom 1 [first]: blue bed, nightstand, doorway | left 30 | 9.2 m via w2, w1
 w5 living room 1: white sofa, bookshelf, doorway | left 60 | 1.1 m
