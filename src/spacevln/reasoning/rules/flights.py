@@ -36,6 +36,7 @@ RAIL_END_M = 0.15
 LEAST_POINTS = 8
 LEAST_SHARE = 0.5  # of the points that could be steps, that the slope must explain
 LEAST_RISE_M = 0.15  # from the first to the last of them, up and along: two steps
+STAIRS_ENTRY = Anchor("entry of the stairs", SpaceKind.CONNECTOR)
 
 
 @dataclass(frozen=True, slots=True)

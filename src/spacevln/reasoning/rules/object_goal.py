@@ -14,6 +14,7 @@ from spacevln.language import head_noun
 from spacevln.perception.attributes import Agreement
 from spacevln.perception.matching import fit
 from spacevln.reasoning.rules.beliefs import Beliefs
+from spacevln.reasoning.rules.flights import STAIRS_ENTRY
 from spacevln.reasoning.rules.grid import resampled
 from spacevln.reasoning.rules.heading import way_length_m
 from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal, Thing
@@ -25,6 +26,7 @@ STUCK = 2  # failed stages to the only place left
 PIECE_M = 1.8
 STAGE_STEPS = 16.0  # a look-around and the turns to the next direction
 STAIRS_STEPS = 30.0
+AT_ENTRY_M = 1.0  # of a flight
 STAIRS = 0.25  # share of homes whose goal is on another storey than the start
 FAILED = 0.2  # what a failed stage leaves of a place's hope
 GUESSED = 0.6  # and a portal whose threshold was not seen
@@ -203,7 +205,7 @@ def _best_unseen(context: PlannerContext, world: World, goal: str, state: Episod
     """Chance over steps: of independent places to search, the order by that ratio finds the object soonest."""
     beliefs = Beliefs(world, goal)
     best: tuple[float, XY, Quest] | None = None
-    options = (*_beyond_portals(context, world, beliefs), *_edges(world, beliefs), *_storeys(context, world, beliefs, state))
+    options = (*_beyond_portals(context, world, beliefs), *_edges(world, beliefs), *_storeys(context, world, beliefs))
     for chance, steps, quest in options:
         needed = STAGE_STEPS + steps + STEPS_PER_M * way_length_m(context, quest.xy)
         hope = chance * FAILED ** state.failed(quest.floor, quest.xy)
@@ -284,15 +286,21 @@ def _edges(world: World, beliefs: Beliefs) -> Iterator[Option]:
         yield hope, 0.0, Quest(frontier.position_m, world.floor, False, "edge of the known floor", words)
 
 
-def _storeys(context: PlannerContext, world: World, beliefs: Beliefs, state: EpisodeState) -> Iterator[Option]:
-    for stairs in world.sightings.things:
-        if stairs.category != "stairs" or stairs.floor != world.floor:
+def _storeys(context: PlannerContext, world: World, beliefs: Beliefs) -> Iterator[Option]:
+    """Other storeys, by stairs that were not walked yet."""
+    for stairs in world.stairs_on(world.floor):
+        flight = world.flights.get(stairs.id)
+        if world.climbed(flight.entry if flight else stairs.xy):
             continue
-        xy = standing_place(context, world, stairs, state)
-        if xy is None:
-            continue
-        used = sum(1 for link in world.links if world.floor in (link.floor, link.other_floor))
-        if _looked(world, xy) or _looked(world, stairs.front):
-            used += 1
-        hope = STAIRS * beliefs.on_another_storey() * FAILED ** (2 * used)
-        yield hope, STAIRS_STEPS, Quest(xy, world.floor, False, "stairs", "the stairs lead to another floor", True)
+        room = world.room_of_thing[stairs.id][1]
+        xy = flight.entry if flight else world.railing_end(stairs) or (world.look_at(stairs, room) if room else None)
+        if xy is not None:
+            at_entry = flight is not None and context.pose.distance_m(*flight.entry) < AT_ENTRY_M
+            hope = 1.0 if at_entry and _came_for_stairs(context) else STAIRS * beliefs.on_another_storey()
+            yield hope, STAIRS_STEPS, Quest(xy, world.floor, False, "stairs", "the stairs lead to another floor", True)
+
+
+def _came_for_stairs(context: PlannerContext) -> bool:
+    """Whether the last stage headed for the entry of stairs: one does not turn away at the foot of what one came for."""
+    last = context.last_subtask
+    return last is not None and last.next_anchor is not None and last.next_anchor.space == STAIRS_ENTRY.space

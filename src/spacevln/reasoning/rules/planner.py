@@ -25,7 +25,7 @@ from spacevln.core import (
     Verdict,
 )
 from spacevln.language import Clause, cue_kind, known_categories, norm, region_kind
-from spacevln.reasoning.rules.flights import Crossing
+from spacevln.reasoning.rules.flights import STAIRS_ENTRY, Crossing
 from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, reachable_goal, way_length_m
 from spacevln.reasoning.rules.object_goal import at_goal, find_object
 from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses, with_implied_climb
@@ -140,7 +140,7 @@ class RulePlanner:
             return replace(goal, anchor=Anchor("sight of the stairs", SpaceKind.CONNECTOR))
         flight = min(near, key=lambda flight: math.dist(flight.entry, goal.xy))
         if not flight.is_before((context.pose.x_m, context.pose.y_m)):
-            return replace(goal, xy=flight.entry, anchor=Anchor("entry of the stairs", SpaceKind.CONNECTOR))
+            return replace(goal, xy=flight.entry, anchor=STAIRS_ENTRY)
         self._state.crossing = Crossing(flight.far, flight.leads, world.floor, context.pose, context.pose)
         return self._along(self._state.crossing, world.floor, goal.rest, goal.reason)
 

@@ -146,7 +146,7 @@ class World:
 
     def flights_on(self, floor: int) -> list[Flight]:
         """The flights that lead away from a storey."""
-        return [self.flights[thing.id] for thing in self.sightings.things if thing.id in self.flights and thing.floor == floor]
+        return [self.flights[thing.id] for thing in self.stairs_on(floor) if thing.id in self.flights]
 
     def leads(self, stairs: Thing) -> str:
         """Whether stairs lead ``"up"`` or ``"down"`` from their storey; ``""`` when that was not seen."""
@@ -156,20 +156,23 @@ class World:
     def leads_from(self, floor: int) -> set[str]:
         """Where stairs lead from a storey, as far as they were seen or walked: "up", "down"."""
         walked = {(link.floor, link.other_floor) for link in self.links} | {(link.other_floor, link.floor) for link in self.links}
-        return {leads for thing in self.sightings.things if thing.floor == floor and (leads := self.leads(thing))} | {
+        return {leads for thing in self.stairs_on(floor) if (leads := self.leads(thing))} | {
             "up" if b > a else "down" for a, b in walked if a == floor
         }
 
     def stairs_of(self, floor: int, room: int) -> list[Thing]:
         """Flights of stairs that are entered from a room; without a known entry, those seen in it."""
         found = []
-        for thing in self.sightings.things:
-            if thing.category in STAIRS and thing.floor == floor:
-                flight = self.flights.get(thing.id)
-                at = self.room_of_thing[thing.id][1] if flight is None else self.room_at(floor, flight.entry, ENTRY_WITHIN_M)
-                if at == room:
-                    found.append(thing)
+        for thing in self.stairs_on(floor):
+            flight = self.flights.get(thing.id)
+            at = self.room_of_thing[thing.id][1] if flight is None else self.room_at(floor, flight.entry, ENTRY_WITHIN_M)
+            if at == room:
+                found.append(thing)
         return found
+
+    def stairs_on(self, floor: int) -> list[Thing]:
+        """Flights of stairs seen on a storey."""
+        return [thing for thing in self.sightings.things if thing.category in STAIRS and thing.floor == floor]
 
     def railing_end(self, stairs: Thing) -> XY | None:
         """Where a railing opens to stairs whose steps were not seen; None when nobody knows, or looked there already."""
