@@ -23,7 +23,7 @@ w2 hallway 1: doorway | left 30 | 4.0 m
 w3 kitchen 1: wooden dining table, stove, doorway | left 30 | 5.9 m via w4
 w1 hallway 1: doorway | left 30 | 7.0 m via w2
 w0 bedroom 1 [first]: blue bed, nightstand, doorway | left 30 | 9.2 m via w2, w1
-w5 living room 1: white sofa, bookshelf, doorway | left 60 | 1.1 m
+w5 living room 1: white sofa, bookshelf, doorway | left 60 | 1.0 m
 w4 hallway 1: doorway | left 60 | 2.9 m
 w6 living room 1 [previous]: bookshelf, white sofa, doorway | right 90 | 0.9 m
 Spaces: bedroom 1 (w0) next to hallway 1; hallway 1 (w1 w2 w4) next to bedroom 1, kitchen 1, living room 1; \
