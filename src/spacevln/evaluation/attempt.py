@@ -13,7 +13,7 @@ from spacevln.agent import EpisodeResult
 from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_detector, build_environment
 from spacevln.core import Environment, Event, EventSink, RecordError, SpendingLimit, UsageError
 from spacevln.evaluation import resources
-from spacevln.evaluation.baselines import BLIND_M, ForwardWalker, OracleWalker, RandomWalker, walk
+from spacevln.evaluation.baselines import BLIND_M, ForwardWalker, OracleWalker, RandomWalker, Walker, walk
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.frontier import FrontierWalker
 from spacevln.evaluation.score import environment_failure, score
@@ -124,16 +124,16 @@ class Session(AbstractContextManager["Session"]):
                 models = None if self._desk is None else self._desk.for_episode(_teller(sinks))
                 return build_agent(self._configuration, environment, sinks, models).run(episode.spec, building)
             case "random":
-                walk(RandomWalker(episode.episode_id.encode()), episode, self._environment, sinks)
+                walker: Walker = RandomWalker(episode.episode_id.encode())
             case "forward":
-                walk(ForwardWalker(), episode, self._environment, sinks)
+                walker = ForwardWalker()
             case "frontier":
-                detector = build_detector(self._configuration)
-                walk(FrontierWalker(episode.spec.task, detector, BLIND_M), episode, self._environment, sinks)
+                walker = FrontierWalker(episode.spec.task, build_detector(self._configuration), BLIND_M)
             case "oracle":
                 if episode.truth is None:
                     raise UsageError(f"{episode.episode_id!r} has no truth that an oracle could follow: use a suite's episode.")
-                walk(OracleWalker(episode.truth, episode.start), episode, self._environment, sinks)
+                walker = OracleWalker(episode.truth, episode.start)
+        walk(walker, episode, self._environment, sinks, self._configuration.step_budget)
         return None
 
 

@@ -90,10 +90,12 @@ class OracleWalker:
         return self._truth.follow(self._start.compose(observation.pose))
 
 
-def walk(walker: Walker, episode: Episode, environment: Environment, sinks: Sequence[EventSink]) -> None:
-    """Run a walker through an episode, with the agent's step budget."""
+def walk(
+    walker: Walker, episode: Episode, environment: Environment, sinks: Sequence[EventSink], step_limit: int | None = None
+) -> None:
+    """Run a walker through an episode, with the agent's step budget unless another is given."""
     begin = time.perf_counter()
-    budget = StepBudget(default_step_limit(episode.spec.task))
+    budget = StepBudget(step_limit or default_step_limit(episode.spec.task))
     observation = environment.reset(episode.spec)
     _emit(sinks, EpisodeStarted(episode.spec, observation.pose))
     collisions = 0
