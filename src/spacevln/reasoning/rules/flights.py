@@ -78,7 +78,7 @@ def flight_of(stairs: Thing, floor_m: float, square_rad: float) -> Flight | None
     best = max(fits, key=lambda fit: fit.support)
     entry = best.begin - BEFORE_M * best.direction
     far = best.begin + (STOREY_M / best.slope + BEYOND_M) * best.direction
-    return Flight((float(entry[0]), float(entry[1])), (float(far[0]), float(far[1])), best.leads)
+    return Flight((float(entry[0]), float(entry[1])), (float(far[0]), float(far[1])), leads)
 
 
 def leads_of(stairs: Thing, floor_m: float) -> str:
@@ -147,7 +147,6 @@ class _Fit:
     direction: Float
     slope: float
     begin: Float
-    leads: str
 
 
 def _fits(relief: Float, rise: Float, leads: str, square_rad: float) -> Iterator[_Fit]:
@@ -177,7 +176,7 @@ def _fits(relief: Float, rise: Float, leads: str, square_rad: float) -> Iterator
                 continue
             across = relief[steps, :2][on] @ side
             begin = float(np.quantile(begins[on], FIRST_STEP)) * direction + float(across.min() + across.max()) / 2 * side
-            yield _Fit(int(within[k]), direction, slope, begin, leads)
+            yield _Fit(int(within[k]), direction, slope, begin)
 
 
 def open_end(stairs: Thing, floor_m: float, square_rad: float) -> XY | None:

@@ -293,7 +293,7 @@ def _storeys(context: PlannerContext, world: World, beliefs: Beliefs) -> Iterato
         if world.climbed(flight.entry if flight else stairs.xy):
             continue
         room = world.room_of_thing[stairs.id][1]
-        xy = flight.entry if flight else world.railing_end(stairs) or (world.look_at(stairs, room) if room else None)
+        xy = flight.entry if flight else world.sight_of(stairs, room)
         if xy is not None:
             at_entry = flight is not None and context.pose.distance_m(*flight.entry) < AT_ENTRY_M
             hope = 1.0 if at_entry and _came_for_stairs(context) else STAIRS * beliefs.on_another_storey()

@@ -278,7 +278,7 @@ class Search:
             flight = self.world.flights.get(stairs.id)
             if self.world.climbed(flight.entry if flight else stairs.xy):
                 continue
-            goal = flight.entry if flight else self.world.railing_end(stairs) or self.world.look_at(stairs, node.room)
+            goal = flight.entry if flight else self.world.sight_of(stairs, node.room)
             leg = self.world.leg(node, goal, "stairs", thing=stairs, label=self.world.leads(stairs)) if goal else None
             if leg is not None and goal is not None:
                 onward = self._step(trail, leg, node)

@@ -93,6 +93,7 @@ class World:
         self.visited = tuple(visited)
         self.visited_rooms = {(f, grids[f].room_at(xy)) for f, xy in visited if f in grids}
         self._scores: dict[tuple[int, int], dict[str, float]] = {}
+        self._sights: dict[tuple[int, int], XY | None] = {}
         self._legs: dict[tuple[object, ...], Leg | None] = {}
 
     def room_at(self, floor: int, xy: XY, within_m: float = 0.5) -> int:
@@ -137,8 +138,8 @@ class World:
     def flights(self) -> dict[int, Flight]:
         """What is known of the flights of stairs that were seen, by the number of the thing."""
         flights = {}
-        for thing in self.sightings.things:
-            if thing.category in STAIRS and thing.floor in self.levels:
+        for thing in self._stairs:
+            if thing.floor in self.levels:
                 flight = flight_of(thing, self.levels[thing.floor], self.sightings.square_rad)
                 if flight is not None:
                     flights[thing.id] = flight
@@ -150,8 +151,15 @@ class World:
 
     def leads(self, stairs: Thing) -> str:
         """Whether stairs lead ``"up"`` or ``"down"`` from their storey; ``""`` when that was not seen."""
-        known = stairs.category in STAIRS and stairs.floor in self.levels
-        return leads_of(stairs, self.levels[stairs.floor]) if known else ""
+        return self._leads.get(stairs.id, "")
+
+    @cached_property
+    def _leads(self) -> dict[int, str]:
+        return {thing.id: leads_of(thing, self.levels[thing.floor]) for thing in self._stairs if thing.floor in self.levels}
+
+    @cached_property
+    def _stairs(self) -> list[Thing]:
+        return [thing for thing in self.sightings.things if thing.category in STAIRS]
 
     def leads_from(self, floor: int) -> set[str]:
         """Where stairs lead from a storey, as far as they were seen or walked: "up", "down"."""
@@ -172,10 +180,17 @@ class World:
 
     def stairs_on(self, floor: int) -> list[Thing]:
         """Flights of stairs seen on a storey."""
-        return [thing for thing in self.sightings.things if thing.category in STAIRS and thing.floor == floor]
+        return [thing for thing in self._stairs if thing.floor == floor]
 
-    def railing_end(self, stairs: Thing) -> XY | None:
-        """Where a railing opens to stairs whose steps were not seen; None when nobody knows, or looked there already."""
+    def sight_of(self, stairs: Thing, room: int) -> XY | None:
+        """A place of a room from which the steps of stairs may be seen; None when there is none, or all were looked from."""
+        key = (stairs.id, room)
+        if key not in self._sights:
+            self._sights[key] = self._railing_end(stairs) or self._beside(stairs, room)
+        return self._sights[key]
+
+    def _railing_end(self, stairs: Thing) -> XY | None:
+        """Where a railing opens to the steps, unless one looked there already."""
         end = open_end(stairs, self.levels[stairs.floor], self.sightings.square_rad) if stairs.floor in self.levels else None
         seen = end is not None and any(f == stairs.floor and math.dist(xy, end) < ENTRY_WITHIN_M for f, xy in self.visited)
         return None if seen else end
@@ -184,8 +199,10 @@ class World:
         """Whether a place belongs to stairs that were walked."""
         return any(_off_segment(xy, link.xy, link.other_xy) < CLIMBED_M for link in self.links)
 
-    def look_at(self, stairs: Thing, room: int) -> XY | None:
-        """A place of a room from which more of a flight may be seen: beside it, to its low end, away from earlier looks."""
+    def _beside(self, stairs: Thing, room: int) -> XY | None:
+        """A place beside the stairs, to their low end, away from earlier looks."""
+        if room == NOWHERE:
+            return None
         grid = self.grids[stairs.floor]
         centres = grid.centres(room)
         distance = stairs.distance_m(centres)

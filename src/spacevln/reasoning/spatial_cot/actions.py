@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from spacevln.core import Action, AdmissibleActions, EnvironmentSpec, MoveForward, Stop, TurnLeft, TurnPurpose, TurnRight
+from spacevln.core import (
+    Action,
+    AdmissibleActions,
+    EnvironmentSpec,
+    MoveForward,
+    Stop,
+    TurnLeft,
+    TurnPurpose,
+    TurnRight,
+    describe,
+)
 
 Choices = dict[str, tuple[Action, TurnPurpose | None]]
 
@@ -20,27 +30,20 @@ def action_choices(spec: EnvironmentSpec, turn_steps: int = 1) -> Choices:
     choices: Choices = {}
     for count in forwards:
         forward = MoveForward(spec.step_m * count)
-        choices[f"forward {forward.distance_m:.2f}"] = (forward, None)
+        choices[words_of(forward, None)] = (forward, None)
     for steps in range(1, turn_steps + 1):
         angle_deg = spec.turn_deg * steps
         for turn in (TurnLeft(angle_deg), TurnRight(angle_deg)):
             for purpose in TurnPurpose:
                 choices[words_of(turn, purpose)] = (turn, purpose)
-    choices["stop"] = (Stop(), None)
+    choices[words_of(Stop(), None)] = (Stop(), None)
     return choices
 
 
 def words_of(action: Action, purpose: TurnPurpose | None) -> str:
-    """The words of one action."""
-    match action:
-        case Stop():
-            return "stop"
-        case MoveForward(distance_m=distance_m):
-            return f"forward {distance_m:.2f}"
-        case TurnLeft(angle_deg=angle_deg):
-            return f"left {angle_deg:.0f} {purpose or TurnPurpose.ALIGN}"
-        case TurnRight(angle_deg=angle_deg):
-            return f"right {angle_deg:.0f} {purpose or TurnPurpose.ALIGN}"
+    """The words of one action; a turn's say what it is for."""
+    turns = isinstance(action, TurnLeft | TurnRight)
+    return f"{describe(action)} {purpose or TurnPurpose.ALIGN}" if turns else describe(action)
 
 
 def admissible_words(admissible: AdmissibleActions, choices: Choices) -> Iterator[str]:
