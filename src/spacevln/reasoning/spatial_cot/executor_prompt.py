@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from spacevln.core import ChatRequest, CueKind, EnvironmentSpec, ExecutorContext, ExecutorReply, Part, Role
+from spacevln.core import ChatRequest, CueKind, EnvironmentSpec, ExecutorContext, ExecutorReply, Part, Role, SpaceKind
 from spacevln.language.names import tidy
 from spacevln.memory.arrival import ARRIVAL_RADIUS_M
 from spacevln.reasoning.spatial_cot import pictures, wording
@@ -65,6 +65,8 @@ class ExecutorPrompt:
 
     def _call(self, context: ExecutorContext) -> tuple[Part, ...]:
         settings, subtask, obstacles = self._settings, context.subtask, context.obstacles
+        anchor = subtask.next_anchor
+        crossing = anchor is not None and anchor.space_kind is SpaceKind.FLOOR_TRANSITION
         picture = pictures.forward_picture(
             context.observation,
             context.sightings if settings.landmark_memory else (),
@@ -76,11 +78,11 @@ class ExecutorPrompt:
             "executor_call",
             {"front camera": pictures.jpeg(picture, settings.jpeg_quality)},
             instruction=tidy(subtask.instruction),
-            target=wording.anchor_words(subtask.next_anchor),
+            target=wording.anchor_words(anchor),
             landmark_memory=settings.landmark_memory,
             landmark=wording.landmark_words(subtask.landmark),
             tracked=bool(subtask.landmark),
-            candidates=[wording.candidate_words(candidate) for candidate in context.pool],
+            candidates=[wording.candidate_words(candidate, crossing=crossing) for candidate in context.pool],
             moves=[wording.move_words(decision) for decision in context.progress.decisions],
             decisions_left=context.decisions_left,
             left=pictures.obstacle_words(obstacles.left_30_m),

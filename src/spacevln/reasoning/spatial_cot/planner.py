@@ -24,9 +24,9 @@ class ModelPlanner:
         self._transcript = Transcript()
 
     def lookaround_queries(self, task: Task) -> Sequence[str]:
-        """None: the model sees the pictures."""
+        """Doorways: the model sees them in the pictures, the memory parts spaces at them and draws them on the map."""
         del task
-        return ()
+        return ("doorway",)
 
     def reset(self) -> None:
         """A new episode begins."""

@@ -12,6 +12,7 @@ from spacevln.core import (
     Feedback,
     LandmarkCandidate,
     LandmarkPool,
+    SpaceKind,
     StageEnd,
     StageRecord,
     Subtask,
@@ -34,9 +35,11 @@ _ENDS = {
 
 
 def anchor_words(anchor: Anchor | None) -> str:
-    """``"living room, by the white sofa"``."""
+    """``"living room, by the white sofa"``; a floor transition ends on the other floor, not by the stairs."""
     if anchor is None:
         return "none"
+    if anchor.space_kind is SpaceKind.FLOOR_TRANSITION:
+        return f"{anchor.space or 'stairs'}, over the whole flight to the other floor"
     return ", by ".join(part for part in (anchor.space, f"the {anchor.cue}" if anchor.cue else "") if part)
 
 
@@ -96,12 +99,17 @@ def pool_words(pool: LandmarkPool, landmark: str) -> str:
     )
 
 
-def candidate_words(candidate: LandmarkCandidate) -> str:
-    """One entry of the landmark pool for the executor."""
+def candidate_words(candidate: LandmarkCandidate, *, crossing: bool) -> str:
+    """One entry of the landmark pool for the executor.
+
+    Args:
+        candidate: what is told.
+        crossing: the stage leads over these stairs: near them nothing is reached, so their arrival flag is left out.
+    """
+    arrived = "" if crossing else f", {'arrived' if candidate.arrived else 'not arrived'}"
     return (
         f"{quoted(full_name(candidate.category, candidate.attributes))}: {'visible' if candidate.visible else 'remembered'}, "
-        f"{candidate.distance_m:.1f} m, {bearing_words(candidate.bearing_rad)}, "
-        f"confidence {candidate.confidence:.2f}, {'arrived' if candidate.arrived else 'not arrived'}"
+        f"{candidate.distance_m:.1f} m, {bearing_words(candidate.bearing_rad)}, confidence {candidate.confidence:.2f}{arrived}"
     )
 
 
