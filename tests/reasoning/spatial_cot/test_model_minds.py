@@ -164,7 +164,7 @@ def test_a_model_that_fails_for_good_is_let_pass() -> None:
         executor.act(query())
 
 
-def test_the_look_around_of_a_model_detects_nothing_of_its_own() -> None:
+def test_the_look_around_of_a_model_detects_doorways() -> None:
     assert planner_of(REPLY)[0].lookaround_queries(InstructionTask("Go.")) == ("doorway",)
 
 
