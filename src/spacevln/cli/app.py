@@ -19,6 +19,7 @@ from spacevln.cli.prompt import prompt
 from spacevln.cli.replay import replay
 from spacevln.cli.run import run
 from spacevln.cli.table import table
+from spacevln.cli.view import view
 from spacevln.core import PrerequisiteError, SpaceVLNError, SpendingLimit, UsageError
 
 DONE, FAILED, USAGE, PREREQUISITE, INTERRUPTED = 0, 1, 2, 3, 130
@@ -33,6 +34,7 @@ def cli() -> None:
     spacevln run                         watch an agent follow an instruction through a furnished house
     spacevln bench houses-vln            measure it on many houses
     spacevln ablate houses-vln           the same with each of the paper's nine presets
+    spacevln view RECORD                 pages that show every decision of a run or an episode
     spacevln table DIR...                print runs in the shape of the paper's tables
     spacevln compare A B                 compare two runs episode by episode
     spacevln replay RECORD               rerun a recorded episode offline, from its stored replies
@@ -45,6 +47,7 @@ def cli() -> None:
 cli.add_command(run)
 cli.add_command(bench)
 cli.add_command(ablate)
+cli.add_command(view)
 cli.add_command(table)
 cli.add_command(compare)
 cli.add_command(replay)

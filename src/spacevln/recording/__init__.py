@@ -3,6 +3,7 @@
 from spacevln.recording.files import episode_directory, read_events, read_file, read_result, write_file
 from spacevln.recording.schema import (
     FORMAT,
+    Diagnosis,
     EventLine,
     Metrics,
     ResultFile,
@@ -16,6 +17,7 @@ from spacevln.recording.writer import EpisodeRecorder, RecordLevel, task_fields
 __all__ = [
     "FORMAT",
     "CallUsage",
+    "Diagnosis",
     "EpisodeRecorder",
     "EventLine",
     "Metrics",

@@ -31,8 +31,8 @@ from spacevln.recording.calls import CallRetriedLine, ModelCalledLine
 from spacevln.recording.record import Record
 from spacevln.recording.usage import CallUsage
 
-Format = Literal["spacevln-record/1.0", "spacevln-record/1.1"]
-FORMAT: Format = "spacevln-record/1.1"
+Format = Literal["spacevln-record/1.0", "spacevln-record/1.1", "spacevln-record/1.2"]
+FORMAT: Format = "spacevln-record/1.2"
 """Name and version of the format. The second number counts additions: this version reads every record of the same first number
 up to its own; the first changes when something that was there changes its meaning."""
 
@@ -297,12 +297,30 @@ class Truth(Record):
     final_distance_m: float
 
 
+class Diagnosis(Record):
+    """Why an episode failed, by evaluation (docs/metrics.md).
+
+    Args:
+        name: the class.
+        paper: which of the paper's four kinds of errors it belongs to, or ``"outside the paper"``.
+        reason: the evidence, in one sentence.
+        stage: of the decisive step; None where no stage decided.
+        step: the decisive step; None where no step decided.
+    """
+
+    name: str
+    paper: str
+    reason: str
+    stage: int | None = None
+    step: int | None = None
+
+
 class ResultFile(Record):
     """``result.json``: written once, atomically; the first result of an episode stands.
 
     ``timing_s`` and ``restarts`` are the only fields that may differ when an episode is repeated. ``memory`` names the file of
     the final memory beside it; ``loaded_memory`` is the digest of the one that the episode began with, null for none. ``usage``
-    sums the calls of chat models by role.
+    sums the calls of chat models by role. ``diagnosis`` is null for a success and where there is no truth.
     """
 
     format: Format = FORMAT
@@ -320,6 +338,7 @@ class ResultFile(Record):
     memory: str | None = None
     loaded_memory: str | None = None
     usage: dict[str, CallUsage] = Field(default={})
+    diagnosis: Diagnosis | None = None
     timing_s: float
     restarts: int = 0
 
@@ -342,7 +361,11 @@ class RunFile(Record):
 
 
 class SummaryFile(Record):
-    """``summary.json``: means over every attempted episode (DESIGN 8); percent for SR, SPL, OSR and nDTW, metres for NE."""
+    """``summary.json``: means over every attempted episode (DESIGN 8); percent for SR, SPL, OSR and nDTW, metres for NE.
+
+    ``intervals`` has the 95 % bootstrap interval over episodes of each mean that has one; ``diagnoses`` counts failed episodes by
+    class, ``diagnoses_paper`` by the paper's kinds of errors.
+    """
 
     episodes: int
     metrics: dict[str, float | None]
@@ -351,4 +374,7 @@ class SummaryFile(Record):
     rejections: int
     fallbacks: int
     unreachable: int
+    intervals: dict[str, tuple[float, float]] = Field(default={})
+    diagnoses: dict[str, int] = Field(default={})
+    diagnoses_paper: dict[str, int] = Field(default={})
     usage: dict[str, CallUsage] = Field(default={})

@@ -1,6 +1,7 @@
 """Pictures and pages, made from the record alone; computes nothing (DESIGN 5.9)."""
 
 from spacevln.viewer.memory_maps import draw_memory
+from spacevln.viewer.pages import write_comparison, write_site
 from spacevln.viewer.topdown import draw_topdown
 
-__all__ = ["draw_memory", "draw_topdown"]
+__all__ = ["draw_memory", "draw_topdown", "write_comparison", "write_site"]
