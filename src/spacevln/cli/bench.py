@@ -60,6 +60,7 @@ def bench(suite: str, driver: Driver, workers: int, deadline: float | None, leve
     from spacevln.evaluation.runner import Job, claim_directory
     from spacevln.evaluation.runner import bench as run_suite
     from spacevln.recording import RecordLevel
+    from spacevln.viewer import write_site
 
     selection = selection_from(suite, options)
     check_world(selection)
@@ -78,6 +79,7 @@ def bench(suite: str, driver: Driver, workers: int, deadline: float | None, leve
         summary = run_suite(job, workers, progress.add, deadline_s=deadline)
     tell(summary, progress.results)
     click.echo(f"record   {directory}")
+    click.echo(f"pages    {write_site(directory, missing_only=True)}")
     return 1 if FAILED_STATUSES & set(summary.statuses) else 0
 
 

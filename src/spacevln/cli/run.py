@@ -36,7 +36,7 @@ def run(
 ) -> int:
     """Run one episode and show what happens.
 
-    Ends with one line of truth, the record's path, and a picture from above.
+    Ends with one line of truth, the record's path, a picture from above, and pages that show every decision.
     """
     _check(task, instruction, goal)
     from spacevln.assembly import KnownBuilding
@@ -47,6 +47,7 @@ def run(
     from spacevln.evaluation.runner import claim_directory, finished
     from spacevln.evaluation.summary import summarise
     from spacevln.recording import episode_directory, write_file
+    from spacevln.viewer import write_site
 
     configuration = configuration_from(options)
     if memory is not None:
@@ -69,6 +70,7 @@ def run(
     click.echo(f"record   {folder}")
     if (folder / "topdown.png").exists():
         click.echo(f"picture  {folder / 'topdown.png'}")
+    click.echo(f"pages    {write_site(directory)}")
     return exit_code(result)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from spacevln.core import EpisodeStatus, StopReason
 from spacevln.evaluation import metrics
+from spacevln.evaluation.diagnosis import diagnose
 from spacevln.evaluation.episode import Episode, GroundTruth, Points
 from spacevln.evaluation.judging import finite, judge
 from spacevln.recording import EventLine, Metrics, ResultFile, Truth, task_fields, usage_of
@@ -50,7 +51,9 @@ def score(episode: Episode, lines: Sequence[EventLine], *, restarts: int = 0) ->
     if end is None:
         return environment_failure(episode, "the attempt ended without a status", positions, restarts=restarts)
     result = _result(episode, positions, end, rejections=rejections, fallbacks=fallbacks, restarts=restarts)
-    return result.model_copy(update={"usage": usage_of(lines)})
+    truth = episode.truth
+    reason = None if truth is None else diagnose(lines, end, result.metrics, truth, positions, origin)
+    return result.model_copy(update={"usage": usage_of(lines), "diagnosis": reason})
 
 
 def environment_failure(episode: Episode, detail: str, positions: Points | None = None, *, restarts: int = 0) -> ResultFile:
@@ -70,7 +73,11 @@ def environment_failure(episode: Episode, detail: str, positions: Points | None 
         stages=0,
         seconds=0.0,
     )
-    return _result(episode, walked, end, rejections=0, fallbacks=0, restarts=restarts)
+    result = _result(episode, walked, end, rejections=0, fallbacks=0, restarts=restarts)
+    if episode.truth is None:
+        return result
+    reason = diagnose((), end, result.metrics, episode.truth, walked, episode.start)
+    return result.model_copy(update={"diagnosis": reason})
 
 
 def _result(

@@ -91,6 +91,8 @@ def _draw(bars: Sequence[Bar], width: float, caption: str) -> Markup:
     every = max(1, -(-len(bars) // 5))
     for k in range(0, len(bars) + 1, every):
         x = LEFT + k * slot
-        parts.append(Markup('<text class="tick" x="{:.1f}" y="{}" text-anchor="middle">{:g}</text>').format(x, floor + 15, k * width))
+        parts.append(
+            Markup('<text class="tick" x="{:.1f}" y="{}" text-anchor="middle">{:g}</text>').format(x, floor + 15, k * width)
+        )
     parts.append(Markup("</svg>"))
     return Markup("").join(parts)

@@ -17,7 +17,9 @@ def first_difference(first: dict[str, Any], second: dict[str, Any]) -> dict[str,
     for number in range(max(len(first["stages"]), len(second["stages"]))):
         stages = [story["stages"][number] if number < len(story["stages"]) else None for story in (first, second)]
         if None in stages:
-            ends = [_last(story) if stage is None else stage["first"] for story, stage in zip((first, second), stages, strict=True)]
+            ends = [
+                _last(story) if stage is None else stage["first"] for story, stage in zip((first, second), stages, strict=True)
+            ]
             return {"stage": number, "what": "number of stages", "values": _said(stages), "steps": ends}
         subtasks = [stage.get("subtask") for stage in stages if stage]
         for name in DECIDED:

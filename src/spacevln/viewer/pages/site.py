@@ -17,7 +17,7 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup
 
 from spacevln.core import RecordError, UsageError
-from spacevln.recording import ResultFile, RunFile, SummaryFile, read_events, read_file, read_result
+from spacevln.recording import RunFile, SummaryFile, read_events, read_file, read_result
 from spacevln.viewer.pages import summary as tell
 from spacevln.viewer.pages.differing import first_difference
 from spacevln.viewer.pages.story import Story
@@ -198,8 +198,10 @@ def _write(path: Path, template: str, scripts: tuple[str, ...], **values: Any) -
     """Render a page whose only script and style are ours: its policy names their hashes."""
     style = Markup(_asset("style.css"))  # noqa: S704 - our own file
     script = Markup("\n".join(_asset(f"{name}.js") for name in scripts))  # noqa: S704 - our own files
-    text = _templates().get_template(template).render(
-        style=style, script=script, style_hash=_digest(style), script_hash=_digest(script), **values
+    text = (
+        _templates()
+        .get_template(template)
+        .render(style=style, script=script, style_hash=_digest(style), script_hash=_digest(script), **values)
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(text.encode("utf-8", "replace"))
@@ -208,7 +210,11 @@ def _write(path: Path, template: str, scripts: tuple[str, ...], **values: Any) -
 @cache
 def _templates() -> Environment:
     return Environment(
-        loader=PackageLoader("spacevln.viewer.pages"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=PackageLoader("spacevln.viewer.pages"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
 
 

@@ -183,7 +183,7 @@ class Story:
                 {"label": view.label, "heading": _degrees(view.heading_rad), "rgb": view.rgb, "m": _short(view.obstacle_m),
                  "boxes": boxes, "step": step}
             )  # fmt: skip
-        stage["planned"] = len(self.steps) - 1
+        stage["planned"] = max(stage["first"], len(self.steps) - 1)
         stage["memory"] = None if line.memory is None else _memory(line.memory)
 
     def _subtask(self, line: SubtaskIssuedLine) -> None:

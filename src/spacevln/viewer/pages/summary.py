@@ -186,7 +186,9 @@ def charts(results: Sequence[ResultFile]) -> list[Chart]:
         histogram([result.timing_s for result in results], "Episodes by time [s]", "s"),
         histogram([sum(part.usd for part in result.usage.values()) for result in calls], "Episodes by cost [USD]", "USD"),
         histogram(
-            [sum(part.latency_s for part in result.usage.values()) for result in calls], "Episodes by latency of their calls [s]", "s"
+            [sum(part.latency_s for part in result.usage.values()) for result in calls],
+            "Episodes by latency of their calls [s]",
+            "s",
         ),
     ]
     return [chart for chart in drawn if chart is not None]

@@ -319,10 +319,11 @@ function showFrame(frame, story, step, withBoxes) {
   svg.setAttribute("viewBox", `0 0 ${story.frame[0]} ${story.frame[1]}`);
   if (!withBoxes || !step) return;
   for (const { name, box: [x0, y0, x1, y1], m } of step.boxes) {
-    svg.append(drawn("rect", { x: x0, y: y0, width: x1 - x0, height: y1 - y0, fill: "none", stroke: "#000", "stroke-width": 5, opacity: 0.45 }),
-      drawn("rect", { x: x0, y: y0, width: x1 - x0, height: y1 - y0, fill: "none", stroke: "#ffd60a", "stroke-width": 2.5 }),
-      drawn("text", { x: Math.min(Math.max(x0 + 4, 4), story.frame[0] - 90), y: Math.max(y0 + 18, 18), "font-size": 16, "font-weight": 600, fill: "#ffd60a", stroke: "#000", "stroke-width": 4, "paint-order": "stroke" },
-        `${name}${m === null ? "" : ` ${m.toFixed(1)} m`}`));
+    const shape = { x: x0, y: y0, width: x1 - x0, height: y1 - y0, fill: "none" };
+    svg.append(drawn("rect", { ...shape, stroke: "#000", "stroke-width": 5, opacity: 0.45 }), drawn("rect", { ...shape, stroke: "#ffd60a", "stroke-width": 2.5 }));
+    if ((x1 - x0) * (y1 - y0) < 0.006 * story.frame[0] * story.frame[1]) continue;
+    const text = `${name}${m === null ? "" : ` ${m.toFixed(1)} m`}`, size = frame.clientWidth < 420 ? 22 : 16;
+    svg.append(drawn("text", { x: Math.max(4, Math.min(x0 + 4, story.frame[0] - 0.58 * size * text.length)), y: Math.max(y0, 0) + size + 2, "font-size": size, "font-weight": 600, fill: "#ffd60a", stroke: "#000", "stroke-width": 4, "paint-order": "stroke" }, text));
   }
 }
 

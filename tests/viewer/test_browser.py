@@ -1,0 +1,137 @@
+"""The pages in a real browser, opened from disk. Skipped where there is no Chromium or no Playwright."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from made_up import PAYLOAD, write_episode, write_run
+
+from spacevln.viewer import write_comparison, write_site
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed: no page is opened")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed: no page is opened"),
+    pytest.mark.enable_socket,  # Playwright talks to its own child over a loopback socket
+]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with sync_api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    directory = write_run(tmp_path_factory.mktemp("run"), 4, "Go on." + PAYLOAD)
+    write_site(directory)
+    return directory
+
+
+class Tab:
+    """A page that remembers what went wrong in it."""
+
+    def __init__(self, browser: Any, path: Path, fragment: str = "", *, width: int = 1280, scheme: str = "light") -> None:
+        self.context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
+        self.page = self.context.new_page()
+        self.problems: list[str] = []
+        self.page.on("console", self._heard)
+        self.page.on("pageerror", lambda error: self.problems.append(str(error)))
+        self.page.on("requestfailed", lambda request: self.problems.append(request.url[:200]))
+        self.page.goto(path.as_uri() + fragment)
+
+    def _heard(self, message: Any) -> None:
+        if message.type in ("error", "warning"):
+            self.problems.append(message.text)
+
+    def __enter__(self) -> Any:
+        return self.page
+
+    def __exit__(self, *_: object) -> None:
+        title = self.page.title()
+        self.context.close()
+        assert self.problems == []
+        assert title != "broken"
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("name", ["index.html", "episodes/e-001/index.html"])
+def test_pages_open_without_a_complaint_and_fit(browser: Any, run: Path, name: str, width: int, scheme: str) -> None:
+    with Tab(browser, run / name, width=width, scheme=scheme) as page:
+        page.wait_for_timeout(50)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert page.locator("img:not([alt])").count() == 0
+        assert page.locator("main a[href^='javascript:']").count() == 0
+        assert PAYLOAD[:30] in page.locator("body").inner_text()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", ["index.html", "episodes/e-001/index.html"])
+def test_pages_pass_an_accessibility_check(browser: Any, run: Path, name: str, scheme: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
+    context = browser.new_context(viewport={"width": 1280, "height": 900}, color_scheme=scheme, bypass_csp=True)
+    page = context.new_page()
+    page.goto((run / name).as_uri())
+    found = axe.run(page).response["violations"]
+    context.close()
+    assert [(each["id"], each["nodes"][0]["html"][:120]) for each in found] == []
+
+
+def test_keys_scrub_and_play(browser: Any, run: Path) -> None:
+    with Tab(browser, run / "episodes/e-000/index.html") as page:
+        where = page.locator("#where")
+        assert where.inner_text().startswith("step 1 of 6")
+        page.keyboard.press("ArrowRight")
+        assert where.inner_text().startswith("step 2 of 6")
+        page.keyboard.press("End")
+        assert where.inner_text() == "step 6 of 6 · stage 2 of 2"
+        page.keyboard.press("[")
+        assert "stage 2 of 2" in where.inner_text()
+        page.keyboard.press("Home")
+        page.keyboard.press("Space")
+        page.wait_for_function("document.getElementById('where').textContent.startsWith('step 6')")
+        page.locator("#scrub").fill("2")
+        assert where.inner_text().startswith("step 3 of 6")
+        assert page.url.endswith("#step=3")
+
+
+def test_a_link_opens_its_step(browser: Any, run: Path) -> None:
+    with Tab(browser, run / "episodes/e-001/index.html", "#step=5") as page:
+        assert page.locator("#where").inner_text().startswith("step 5 of 6")
+        page.locator("#stage-table a").first.click()
+        page.wait_for_function("document.getElementById('where').textContent.includes('stage 1')")
+        page.get_by_role("link", name="Show the decisive step").click()
+        page.wait_for_function("document.getElementById('where').textContent.startsWith('step 5')")
+
+
+def test_the_list_sorts_and_filters(browser: Any, run: Path) -> None:
+    with Tab(browser, run / "index.html") as page:
+        first = page.locator("#list tbody tr:visible a").first
+        page.get_by_role("button", name="NE m").click()
+        assert first.inner_text() == "e-000"
+        page.get_by_role("button", name="NE m").click()
+        assert first.inner_text() == "e-003"
+        page.locator("#outcome").select_option("failure")
+        assert page.locator("#shown").inner_text() == "2 shown"
+        page.locator("#find").fill("e-001")
+        assert page.locator("#list tbody tr:visible").count() == 1
+
+
+def test_two_records_side_by_side(browser: Any, tmp_path: Path) -> None:
+    write_episode(tmp_path / "a/episodes/e", "Go.", good=True)
+    write_episode(tmp_path / "b/episodes/e", "Go.", good=False, direction="left 30")
+    page_path = write_comparison(tmp_path / "a/episodes/e", tmp_path / "b/episodes/e", tmp_path / "both")
+    for width in (1280, 390):
+        with Tab(browser, page_path, width=width) as page:
+            assert "planner: direction: “front” against “left 30”" in page.locator(".note").inner_text()
+            page.keyboard.press("ArrowRight")
+            assert page.locator("#side-b .now").inner_text() == "step 2 of 6, stage 1"
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
