@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -97,7 +98,7 @@ def test_keys_scrub_and_play(browser: Any, run: Path) -> None:
         assert "stage 2 of 2" in where.inner_text()
         page.keyboard.press("Home")
         page.keyboard.press("Space")
-        page.wait_for_function("document.getElementById('where').textContent.startsWith('step 6')")
+        sync_api.expect(where).to_have_text(re.compile("^step 6"))
         page.locator("#scrub").fill("2")
         assert where.inner_text().startswith("step 3 of 6")
         assert page.url.endswith("#step=3")
@@ -107,9 +108,9 @@ def test_a_link_opens_its_step(browser: Any, run: Path) -> None:
     with Tab(browser, run / "episodes/e-001/index.html", "#step=5") as page:
         assert page.locator("#where").inner_text().startswith("step 5 of 6")
         page.locator("#stage-table a").first.click()
-        page.wait_for_function("document.getElementById('where').textContent.includes('stage 1')")
+        sync_api.expect(page.locator("#where")).to_have_text(re.compile("stage 1"))
         page.get_by_role("link", name="Show the decisive step").click()
-        page.wait_for_function("document.getElementById('where').textContent.startsWith('step 5')")
+        sync_api.expect(page.locator("#where")).to_have_text(re.compile("^step 5"))
 
 
 def test_the_list_sorts_and_filters(browser: Any, run: Path) -> None:
