@@ -13,9 +13,7 @@ WHICH = click.option("--episode", "episode_id", default=None, help="Which episod
 @click.command()
 @EPISODE
 @WHICH
-@click.option(
-    "--stage", type=click.IntRange(min=1), default=None, help="Which stage; by default the decisive or the longest one."
-)
+@click.option("--stage", type=click.IntRange(min=1), default=None, help="By default the decisive or the longest one.")
 @click.option("--failure", is_flag=True, help="Add why the episode failed and what the agent thought.")
 @click.option("--out", type=click.Path(path_type=Path, dir_okay=False), default=None, help="The file, PNG and PDF are written.")
 def figure(record: Path, episode_id: str | None, stage: int | None, failure: bool, out: Path | None) -> None:

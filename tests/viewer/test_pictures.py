@@ -1,0 +1,45 @@
+"""Figures and videos of an episode."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from made_up import write_episode
+from PIL import Image
+
+from spacevln.core import UsageError
+from spacevln.viewer import draw_figure, write_video
+from spacevln.viewer.scenes import Scenes
+
+
+def test_a_figure_is_a_png_and_a_pdf(tmp_path: Path) -> None:
+    write_episode(tmp_path / "e", "Go.", good=False)
+    png, pdf = draw_figure(tmp_path / "e", tmp_path / "figure", failure=True)
+    with Image.open(png) as picture:
+        assert picture.width == 1800
+    assert pdf.read_bytes().startswith(b"%PDF")
+
+
+def test_a_figure_refuses_what_is_not_there(tmp_path: Path) -> None:
+    write_episode(tmp_path / "e", "Go.", good=True)
+    with pytest.raises(UsageError, match="There is no stage 5: the episode has 1 to 2"):
+        draw_figure(tmp_path / "e", tmp_path / "figure", stage=4)
+    with pytest.raises(UsageError, match="has no diagnosis"):
+        draw_figure(tmp_path / "e", tmp_path / "figure", failure=True)
+
+
+def test_the_map_is_uncovered_as_the_agent_goes(tmp_path: Path) -> None:
+    write_episode(tmp_path / "e", "Go.", good=True)
+    scenes = Scenes(tmp_path / "e")
+    _, _, seen = scenes._layers[0]
+    assert seen.min() == 0
+    assert seen.max() <= len(scenes.steps)
+    assert scenes.map(5, (200, 150)).size == (200, 150)
+
+
+def test_a_video_has_a_frame_for_every_step(tmp_path: Path) -> None:
+    av = pytest.importorskip("av", reason="PyAV is not installed")
+    write_episode(tmp_path / "e", "Go.", good=True)
+    with av.open(str(write_video(tmp_path / "e", tmp_path / "e.mp4"))) as film:
+        assert sum(1 for _ in film.decode(video=0)) == 6
