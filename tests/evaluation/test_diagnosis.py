@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -58,17 +59,17 @@ class Straight:
     def reached(self, position: NDArray[np.float64]) -> bool:
         return bool(self.distances_m(position[None])[0] < self.radius_m)
 
-    def viewpoint_m(self, position: NDArray[np.float64]) -> float | None:
+    def viewpoint_m(self, _: NDArray[np.float64]) -> float | None:
         return None
 
-    def follow(self, pose: Pose) -> Action:
+    def follow(self, _: Pose) -> Action:
         return Stop()
 
 
 def walk(*corners: tuple[float, float]) -> list[tuple[float, float]]:
     """Places 0.25 m apart."""
     places = [corners[0]]
-    for (x0, y0), (x1, y1) in zip(corners, corners[1:], strict=False):
+    for (x0, y0), (x1, y1) in pairwise(corners):
         count = max(1, round(math.dist((x0, y0), (x1, y1)) / 0.25))
         places += [(x0 + (x1 - x0) * k / count, y0 + (y1 - y0) * k / count) for k in range(1, count + 1)]
     return places
@@ -202,6 +203,6 @@ def test_the_decisive_stage_is_where_the_path_was_left() -> None:
 @given(st.floats(-20, 20), st.floats(-20, 20))
 def test_an_offset_is_the_distance_to_the_nearest_point_of_the_path(x: float, y: float) -> None:
     path = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 3.0, 0.0]])
-    fine = np.concatenate([np.linspace(a, b, 400) for a, b in zip(path, path[1:], strict=False)])
+    fine = np.concatenate([np.linspace(a, b, 400) for a, b in pairwise(path)])
     expected = np.linalg.norm(fine - np.array([x, y, 0.0]), axis=1).min()
     assert offsets_m(np.array([[x, y, 0.0]]), path)[0] == pytest.approx(expected, abs=0.02)
