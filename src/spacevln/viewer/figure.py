@@ -7,7 +7,8 @@ from pathlib import Path
 from PIL import Image, ImageDraw
 
 from spacevln.core import RecordError, UsageError
-from spacevln.viewer.scenes import CHOSEN, INK, SOFT, Scenes, font, paragraph
+from spacevln.viewer.scenes import CHOSEN, Scenes, font, paragraph
+from spacevln.viewer.topdown import INK, SOFT
 
 WIDTH = 1800
 PAD = 20

@@ -8,7 +8,8 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from spacevln.core import PrerequisiteError, RecordError
-from spacevln.viewer.scenes import CHOSEN, SOFT, Scenes, font, paragraph
+from spacevln.viewer.scenes import CHOSEN, Scenes, font, paragraph
+from spacevln.viewer.topdown import SOFT
 
 SIZE = (1280, 720)
 PANE = (632, 474)

@@ -94,7 +94,8 @@ def write_comparison(first: Path, second: Path, out: Path) -> Path:
         RecordError: a record is damaged, or the page cannot be written.
         UsageError: the records are of different tasks.
     """
-    stories, sides = [], []
+    stories: list[tuple[ResultFile | None, Story]] = []
+    sides: list[dict[str, Any]] = []
     for folder in (first, second):
         result, story = read_result(folder), Story(folder).read(read_events(folder))
         stories.append((result, story))
