@@ -17,7 +17,7 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup
 
 from spacevln.core import RecordError, UsageError
-from spacevln.recording import RunFile, SummaryFile, read_events, read_file, read_result
+from spacevln.recording import ResultFile, RunFile, SummaryFile, read_events, read_file, read_result
 from spacevln.viewer.pages import summary as tell
 from spacevln.viewer.pages.differing import first_difference
 from spacevln.viewer.pages.story import Story

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
@@ -89,7 +90,8 @@ def outcome(result: ResultFile | None) -> Json:
 
 def line(folder: Path, result: ResultFile | None) -> Json:
     """An episode in the list of a run."""
-    pictures = sorted(folder.glob("images/*_rgb.jpg"))
+    pictures = os.listdir(folder / "images") if (folder / "images").is_dir() else []  # noqa: PTH208 - names only: a run has many
+    last_view = max((name for name in pictures if name.endswith("_rgb.jpg")), default=None)
     usage = result.usage.values() if result else ()
     metrics = result.metrics if result else None
     diagnosis = result.diagnosis if result else None
@@ -100,7 +102,7 @@ def line(folder: Path, result: ResultFile | None) -> Json:
         "outcome": outcome(result),
         "diagnosis": diagnosis.name if diagnosis else None,
         "decisive": diagnosis.step if diagnosis else None,
-        "thumbnail": f"images/{pictures[-1].name}" if pictures else None,
+        "thumbnail": f"images/{last_view}" if last_view else None,
         "thumbnail_text": f"Last view of {result.episode_id if result else folder.name}",
         "geodesic": result.truth.geodesic_m if result and result.truth and result.truth.geodesic_m < float("inf") else None,
         "NE": metrics.NE if metrics else None,
