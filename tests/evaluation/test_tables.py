@@ -7,17 +7,18 @@ import io
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from spacevln.assembly import ABLATIONS, Configuration
 from spacevln.core import EpisodeStatus, StopReason, UnknownNameError, UsageError
-from spacevln.evaluation.failures import CLASSES, count_failures, failure_class
+from spacevln.evaluation.diagnosis import CLASSES, PAPER_KINDS, failure_class, failure_kind
 from spacevln.evaluation.resources import ResourcesFile
 from spacevln.evaluation.runs import Run, read_run
 from spacevln.evaluation.tables import FORMATS, SHAPES, build_table, render, shape_for
 from spacevln.evaluation.tables.card import reproduction_card
 from spacevln.evaluation.tables.published import published, source
-from spacevln.recording import CallUsage, Metrics, ResultFile, RunFile, Truth, write_file
+from spacevln.recording import CallUsage, Diagnosis, Metrics, ResultFile, RunFile, Truth, write_file
 
 
 def made_result(name: str, success: float = 1.0, **changes: object) -> ResultFile:
@@ -203,32 +204,18 @@ def test_unknown_shapes_and_formats_are_named() -> None:
         render(build_table([], "vln"), "tex")
 
 
-@pytest.mark.parametrize(
-    ("changes", "expected"),
-    [
-        ({}, "stopped elsewhere"),
-        ({"NE": 4.0}, "stopped near the goal"),
-        ({"OSR": 1.0}, "passed the goal"),
-        ({"NE": None}, "goal unreachable"),
-        ({"SR": None}, None),
-        ({"SR": 1.0}, None),
-    ],
-)
-def test_failures_have_one_class(changes: dict[str, float | None], expected: str | None) -> None:
-    failed = made_result("1", 0.0)
-    result = failed.model_copy(update={"metrics": failed.metrics.model_copy(update=changes)})
-    assert failure_class(result) == expected
-
-
-def test_statuses_decide_first() -> None:
-    results = [
-        made_result("1", 0.0, status=EpisodeStatus.MODEL_FAILURE),
-        made_result("2", 0.0, status=EpisodeStatus.STEP_LIMIT, stop_reason=StopReason.BUDGET),
-        made_result("3"),
-    ]
-    counts = count_failures(results)
-    assert (counts["model failure"], counts["out of steps"], sum(counts.values())) == (1, 1, 2)
-    assert tuple(counts) == CLASSES
+def test_failures_are_told_apart() -> None:
+    diagnosis = Diagnosis(name="budget", paper="outside the paper", reason="It ran out of steps.")
+    failed = made_result("1", 0.0).model_copy(update={"diagnosis": diagnosis})
+    assert (failure_class(failed), failure_kind(failed)) == ("budget", "outside the paper")
+    assert failure_class(made_result("2", 0.0)) == "not diagnosed"  # a result of format 1.1
+    assert failure_class(made_result("3")) is None
+    run = made_run("x", [failed, made_result("2", 0.0), made_result("3")])
+    for names, shape in ((CLASSES, "failures"), (PAPER_KINDS, "errors")):
+        shares = {name: np.mean(list(run.values(name).values())) for name in names}
+        assert sum(shares.values()) == pytest.approx(200 / 3)
+        assert shares["not diagnosed"] == pytest.approx(100 / 3)
+        assert "not diagnosed (%)" in render(build_table([run], shape), "md")
 
 
 def test_runs_are_read_back(tmp_path: Path) -> None:

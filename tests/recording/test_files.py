@@ -64,6 +64,13 @@ def test_an_unfinished_last_line_is_left_out_and_a_damaged_one_is_told(tmp_path:
         list(read_events(tmp_path))
 
 
+def test_any_text_of_a_model_is_read_back(tmp_path: Path) -> None:
+    told = FallbackUsedLine(time_s=0.5, stage=1, kind="k", detail="a\u2028b\x85c\r\n\x0cd")
+    line = told.model_dump_json().encode()
+    (tmp_path / "events.jsonl").write_bytes(line + b"\n" + line[: line.index(b"\x80") + 1])  # killed inside a character
+    assert list(read_events(tmp_path)) == [told]
+
+
 @pytest.mark.parametrize("episode_id", ["../../etc", ".hidden", "a/b", "", "é 1", "plain-1"])
 def test_any_id_gives_a_folder_inside_the_run(tmp_path: Path, episode_id: str) -> None:
     folder = episode_directory(tmp_path, episode_id)

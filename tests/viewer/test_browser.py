@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from made_up import PAYLOAD, write_episode, write_run
+from small_records import PAYLOAD, write_episode, write_run
 
 from spacevln.viewer import write_comparison, write_site
 

@@ -9,7 +9,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from made_up import PAYLOAD, write_episode, write_run
+from small_records import PAYLOAD, write_episode, write_run
 
 from spacevln.core import Pose, RecordError, UsageError
 from spacevln.viewer import write_comparison, write_site

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from made_up import write_episode
 from PIL import Image
+from small_records import write_episode
 
 from spacevln.core import UsageError
 from spacevln.viewer import draw_figure, write_video

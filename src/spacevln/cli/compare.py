@@ -56,11 +56,11 @@ def _list(title: str, names: tuple[str, ...], a: Run, b: Run) -> None:
     for name in names:
         text = b.results[name].task_text
         shown = text if len(text) <= TEXT_CHARS else text[: TEXT_CHARS - 1] + "…"
-        click.echo(f"  {name:24s} {_outcome(a, name):>30s} -> {_outcome(b, name):<30s} {shown}")
+        click.echo(f"  {name:24s} {_outcome(a, name):>43s} -> {_outcome(b, name):<43s} {shown}")
 
 
 def _outcome(run: Run, name: str) -> str:
-    from spacevln.evaluation.failures import failure_class
+    from spacevln.evaluation.diagnosis import failure_class
 
     result = run.results[name]
     distance = result.metrics.NE

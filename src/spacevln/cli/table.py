@@ -10,7 +10,10 @@ import click
 if TYPE_CHECKING:
     from spacevln.evaluation.runs import Run
 
-SHAPES = ("auto", "vln", "gn-bench", "ovon", "ablation", "robot", "runtime", "deployment", "full", "endings", "failures", "calls")
+SHAPES = (
+    *("auto", "vln", "gn-bench", "ovon", "ablation", "robot", "runtime", "deployment"),
+    *("full", "endings", "failures", "errors", "calls"),
+)
 
 
 @click.command()

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from spacevln.core import EpisodeStatus, LandmarkCandidate, Pose
 from spacevln.evaluation.episode import GroundTruth, Points
-from spacevln.recording import Diagnosis, EventLine, Metrics
+from spacevln.recording import Diagnosis, EventLine, Metrics, ResultFile
 from spacevln.recording.schema import DecisionMadeLine, EpisodeEndedLine, StageEndedLine, StepTakenLine, SubtaskIssuedLine
 
 ON_ROUTE_M = 1.5
@@ -59,6 +59,25 @@ PAPER: dict[Kind, str] = {
     Kind.MODEL: OUTSIDE,
     Kind.ENVIRONMENT: OUTSIDE,
 }
+UNDIAGNOSED = "not diagnosed"
+CLASSES = (*(kind.value for kind in Kind), UNDIAGNOSED)
+"""What :func:`failure_class` may say."""
+PAPER_KINDS = (*dict.fromkeys(PAPER.values()), UNDIAGNOSED)
+"""What :func:`failure_kind` may say."""
+
+
+def failure_class(result: ResultFile) -> str | None:
+    """The class of a failed episode; None for a success and where there is no truth. Results before format 1.2 name none."""
+    return _failure(result, None if result.diagnosis is None else result.diagnosis.name)
+
+
+def failure_kind(result: ResultFile) -> str | None:
+    """The paper's kind of error of a failed episode, as :func:`failure_class`."""
+    return _failure(result, None if result.diagnosis is None else result.diagnosis.paper)
+
+
+def _failure(result: ResultFile, name: str | None) -> str | None:
+    return (name or UNDIAGNOSED) if result.metrics.SR == 0.0 else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

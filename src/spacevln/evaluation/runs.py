@@ -8,7 +8,7 @@ from pathlib import Path
 
 from spacevln.core import UsageError
 from spacevln.evaluation import resources
-from spacevln.evaluation.failures import CLASSES, failure_class
+from spacevln.evaluation.diagnosis import CLASSES, PAPER_KINDS, failure_class, failure_kind
 from spacevln.evaluation.resources import ResourcesFile
 from spacevln.recording import ResultFile, RunFile, read_file, read_result
 
@@ -102,8 +102,8 @@ def _per_call(role: str) -> Read:
     return read
 
 
-def _failed_as(name: str) -> Read:
-    return lambda result, _: None if result.metrics.SR is None else 100.0 * (failure_class(result) == name)
+def _failed_as(name: str, of: Callable[[ResultFile], str | None]) -> Read:
+    return lambda result, _: None if result.metrics.SR is None else 100.0 * (of(result) == name)
 
 
 def _unusable_share(result: ResultFile) -> float | None:
@@ -162,7 +162,8 @@ EPISODE_METRICS: dict[str, Read] = {
     "output_tokens": _sum(lambda result: sum(part.tokens.output_tokens for part in result.usage.values())),
     "unusable_share": lambda result, _: _unusable_share(result),
     "usd": lambda result, _: _usd(result),
-    **{name: _failed_as(name) for name in CLASSES},
+    **{name: _failed_as(name, failure_kind) for name in PAPER_KINDS},
+    **{name: _failed_as(name, failure_class) for name in CLASSES},
 }
 """Every metric of an episode by its name: percent for shares and classes of failures, seconds per call, gigabytes."""
 

@@ -72,14 +72,14 @@ def read_events(directory: Path) -> Iterator[EventLine]:
     """
     path = directory / "events.jsonl"
     try:
-        lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+        lines = path.read_bytes().splitlines(keepends=True)  # bytes: text also breaks at U+2028, which a reply may hold
     except OSError as error:
         raise RecordError(f"Cannot read {str(path)!r} ({error.strerror}): give the directory of an episode.") from error
     for number, line in enumerate(lines, start=1):
         try:
             yield EVENT_LINE.validate_json(line)
         except ValidationError as error:
-            if number == len(lines) and not line.endswith("\n"):
+            if number == len(lines) and not line.endswith(b"\n"):
                 return
             first = error.errors()[0]
             raise RecordError(f"{str(path)!r} line {number} is damaged: {first['msg']}.") from error

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from spacevln.evaluation.failures import CLASSES
+from spacevln.evaluation.diagnosis import CLASSES, PAPER_KINDS
 
 HEADERS: dict[str, tuple[str, str]] = {
     "NE": ("NE", "down"),
@@ -38,7 +38,7 @@ HEADERS: dict[str, tuple[str, str]] = {
     "rejections": ("rejections", "down"),
     "fallbacks": ("fallbacks", "down"),
     "restarts": ("restarts", "down"),
-    **{name: (f"{name} (%)", "") for name in CLASSES},
+    **{name: (f"{name} (%)", "") for name in (*CLASSES, *PAPER_KINDS)},
 }
 
 
@@ -94,17 +94,19 @@ SHAPES: dict[str, Shape] = {
     ),
     "endings": Shape(("SR", "SR_unforced", "SR_no_stop", "forced", "rejections", "fallbacks", "restarts")),
     "failures": Shape(("SR", *CLASSES)),
+    "errors": Shape(("SR", *PAPER_KINDS)),
     "calls": Shape(
         ("calls", "unusable_share", "input_tokens", "cached_tokens", "output_tokens", "planner_s", "executor_s", "usd"),
         digits={"planner_s": 2, "executor_s": 2, "usd": 4},
     ),
 }
 """Shapes of tables: the paper's Tables 1 to 4, its robot, runtime and deployment tables, and ours: every metric, how episodes
-ended (rates per episode), classes of failures, and what the calls of models came to."""
+ended (rates per episode), failures by diagnosis and by the paper's kinds of errors, and what the calls of models came to."""
 
 TITLES = {
     "full": "Every metric.",
     "endings": "How episodes ended; rejections, fallbacks and restarts per episode.",
-    "failures": "Failed episodes by class, percent of all episodes.",
+    "failures": "Failed episodes by diagnosis, percent of all episodes.",
+    "errors": "Failed episodes by the paper's kinds of errors, percent of all episodes.",
     "calls": "Calls of chat models per episode; seconds per call.",
 }
