@@ -163,6 +163,13 @@ def test_object_goals_are_reached_where_the_path_ends(grounds: list[Grounds], ob
         assert len(e.goals) == len(e.instance_ids)
 
 
+def test_small_homes_give_episodes_too() -> None:
+    g = Grounds(build_house(307))
+    assert len(g.house.rooms) == 4
+    assert 4.0 <= first_route_episode(g).geodesic_m <= 21.0
+    assert object_goal_episode(g, 0).geodesic_m > 1.0
+
+
 def test_goal_categories_are_checked_by_name() -> None:
     assert len(goal_categories()) >= 60
     assert checked_goal("Washing_Machine") == "washing machine"

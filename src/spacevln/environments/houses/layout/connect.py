@@ -34,19 +34,19 @@ def _links(rng: np.random.Generator, draft: Draft) -> list[tuple[int, int, Openi
             links.append((cell.owner, index, "doorway", True))
     for floor in {cell.floor for cell in cells}:
         here = draft.on_floor(floor)
-        hall = next(index for index in here if cells[index].type == "hallway")
+        hub = draft.hub(floor)
         public = [index for index in here if cells[index].type in PUBLIC]
         joined = _public_links(rng, draft, public)
         links += joined
-        doors = set(_hall_doors(rng, draft, hall, public))
+        doors = set(_hall_doors(rng, draft, hub, public)) if cells[hub].type == "hallway" else set()
         for index in here:
-            if index == hall or cells[index].owner is not None:
+            if index == hub or cells[index].owner is not None:
                 continue
             if index in public:
                 if index in doors:
-                    links.append((hall, index, _hall_kind(rng, cells[index].type), True))
+                    links.append((hub, index, _hall_kind(rng, cells[index].type), True))
             else:
-                links.append((hall, index, "doorway", True))
+                links.append((hub, index, "doorway", True))
     return links
 
 

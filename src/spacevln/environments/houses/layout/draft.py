@@ -102,6 +102,15 @@ class Draft:
         """Indices of the cells of a storey."""
         return [index for index, cell in enumerate(self.cells) if cell.floor == floor]
 
+    def index_of(self, type_: str, floor: int = 0) -> int:
+        """Index of a storey's first cell of a type, which must be there."""
+        return next(index for index in self.on_floor(floor) if self.cells[index].type == type_)
+
+    def hub(self, floor: int = 0) -> int:
+        """Index of the cell that the others of a storey open to: the hallway, in a home without one the living room."""
+        halls = any(self.cells[index].type == "hallway" for index in self.on_floor(floor))
+        return self.index_of("hallway" if halls else "living room", floor)
+
     def mapped(self, flip_x: bool, flip_y: bool, transpose: bool) -> Draft:
         """The draft mirrored, transposed, and moved so that it begins at (0, 0)."""
         x0 = min(rect.x0 for cell in self.cells for rect in cell.rects)

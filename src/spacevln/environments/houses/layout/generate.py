@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,12 +11,15 @@ from spacevln.core.errors import ContractError
 from spacevln.environments.houses.layout.connect import connect
 from spacevln.environments.houses.layout.draft import MAX_ROOMS, MIN_ROOMS, WALL_M, Draft, is_plausible
 from spacevln.environments.houses.layout.outside import annex, windows
-from spacevln.environments.houses.layout.schemes import SINGLE_FLOOR, STORY_M, two_floors
+from spacevln.environments.houses.layout.schemes import SINGLE_FLOOR, STORY_M, Scheme, cottage, two_floors
+from spacevln.environments.houses.layout.small import MOST_SMALL_ROOMS, SMALL
 from spacevln.environments.houses.plan import Floor, House, Opening, Rect, Room, Stairs
 
 CEILING_M = 2.55
 TWO_FLOOR_SHARE = 0.2
-_STREAM = 1
+SMALL_SHARE = 0.4
+"""Share of the cottages that have four or five rooms."""
+_STREAM, _SMALL_STREAM = 1, 4
 _ATTEMPTS = 2000
 _PRIVATE_ENDS = frozenset(("bathroom", "closet", "balcony", "garage", "bedroom", "laundry room"))
 
@@ -31,15 +35,16 @@ def generate_layout(seed: int) -> House:
     """
     rng = np.random.default_rng([seed, _STREAM])
     two = bool(rng.random() < TWO_FLOOR_SHARE)
-    schemes, weights = zip(*SINGLE_FLOOR, strict=True)
-    scheme = two_floors if two else schemes[int(rng.choice(len(schemes), p=np.array(weights) / sum(weights)))]
+    scheme = two_floors if two else _drawn(rng, SINGLE_FLOOR)
+    small = scheme is cottage and bool(np.random.default_rng([seed, _SMALL_STREAM]).random() < SMALL_SHARE)
+    scheme, most = (_drawn(rng, SMALL), MOST_SMALL_ROOMS) if small else (scheme, MAX_ROOMS)
     for _ in range(_ATTEMPTS):
         draft = scheme(rng)
         if draft is None:
             continue
         annex(rng, draft)
         draft = draft.mapped(*(bool(rng.random() < 0.5) for _ in range(3)))
-        if not _is_sane(draft):
+        if not _is_sane(draft, most):
             continue
         openings = connect(rng, draft)
         if openings is not None and _is_joined(draft, openings):
@@ -48,16 +53,22 @@ def generate_layout(seed: int) -> House:
     raise ContractError(f"No floor plan was found for house seed {seed} in {_ATTEMPTS} attempts; report the seed.")
 
 
-def _is_sane(draft: Draft) -> bool:
+def _drawn(rng: np.random.Generator, weighted: Sequence[tuple[Scheme, float]]) -> Scheme:
+    schemes, weights = zip(*weighted, strict=True)
+    scheme: Scheme = schemes[int(rng.choice(len(schemes), p=np.array(weights) / sum(weights)))]
+    return scheme
+
+
+def _is_sane(draft: Draft, most: int) -> bool:
     """Sizes, number of rooms, and the rooms that every house has."""
     types = [cell.type for cell in draft.cells]
     needed = all(name in types for name in ("living room", "kitchen", "bathroom", "bedroom"))
-    return needed and MIN_ROOMS <= len(types) <= MAX_ROOMS and all(map(is_plausible, draft.cells))
+    return needed and MIN_ROOMS <= len(types) <= most and all(map(is_plausible, draft.cells))
 
 
 def _is_joined(draft: Draft, openings: list[Opening]) -> bool:
     """Whether every room is reached, and none of the others only through a bedroom, a bathroom or the like."""
-    start = next(index for index, cell in enumerate(draft.cells) if cell.type == "hallway")
+    start = draft.hub()
     reached, stack = {start}, [start]
     halls = [index for index, cell in enumerate(draft.cells) if cell.type == "hallway"]
     links = [(o.rooms[0], o.rooms[1]) for o in openings] + [(halls[k], halls[k + 1]) for k in range(len(halls) - 1)]

@@ -1,4 +1,4 @@
-"""Kinds of plans: a spine hallway, a hallway between public and private strips, a bent one, a ring, two floors."""
+"""Kinds of plans of six rooms and more: a spine hallway, one between public and private rooms, a bent one, a ring, two floors."""
 
 from __future__ import annotations
 
