@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from spacevln.core import Pose, PrerequisiteError, UsageError
 from spacevln.evaluation import datasets
-from spacevln.evaluation.datasets.habitat_frame import (
+from spacevln.environments.habitat.frame import (
     points_from_habitat,
     points_to_habitat,
     pose_from_habitat,

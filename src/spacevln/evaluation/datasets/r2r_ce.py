@@ -30,7 +30,7 @@ from spacevln.evaluation.datasets.files import (
     refuse_duplicates,
     unknown_note,
 )
-from spacevln.evaluation.datasets.habitat_frame import points_from_habitat, pose_from_habitat
+from spacevln.environments.habitat.frame import points_from_habitat, pose_from_habitat
 from spacevln.evaluation.datasets.locate import locate_split
 from spacevln.evaluation.datasets.scenes import scene_name
 from spacevln.evaluation.datasets.sequence import EpisodeSequence, Source

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spacevln.core import Pose, wrap_angle
+from spacevln.core.geometry import Pose, wrap_angle
 
 Points = NDArray[np.float64]
 
@@ -39,3 +39,20 @@ def pose_to_habitat(pose: Pose) -> tuple[list[float], list[float]]:
     """Position and rotation [x, y, z, w] of a pose, as dataset files hold them."""
     position = [float(value) + 0.0 for value in points_to_habitat(pose.position_m)[0]]
     return position, [0.0, math.sin(pose.yaw_rad / 2) + 0.0, 0.0, math.cos(pose.yaw_rad / 2)]
+
+
+def camera_from_habitat(position: ArrayLike, quaternion: tuple[float, float, float, float]) -> Points:
+    """Pose (4, 4) of a camera in the scene frame: Habitat's cameras look along -z with x right, ours along x with y left."""
+    x, y, z, w = quaternion
+    rotation = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    axes = points_from_habitat((rotation @ np.array([[0.0, -1, 0], [0, 0, 1], [-1, 0, 0]])).T)
+    T_scene_camera = np.eye(4)
+    T_scene_camera[:3, :3] = axes.T
+    T_scene_camera[:3, 3] = points_from_habitat(position)[0]
+    return T_scene_camera

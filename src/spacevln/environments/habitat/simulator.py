@@ -1,0 +1,114 @@
+"""One scene after the other in a worker that is started when it is needed and restarted when it was lost."""
+
+from __future__ import annotations
+
+import mmap
+from pathlib import Path
+
+from spacevln_bridge import messages as say
+
+from spacevln.core.errors import ContractError, EnvironmentFailure, PrerequisiteError
+from spacevln.environments.habitat.process import ANSWER_S, OPEN_S, PING_S, Answer, Worker
+from spacevln.environments.habitat.setup import HabitatSetup
+
+
+class HabitatSimulator:
+    """Habitat-Sim with one scene open, in a worker of its own.
+
+    Args:
+        setup: how.
+        answer_s, open_s: how long a request, and opening a scene, may take.
+    """
+
+    def __init__(self, setup: HabitatSetup, *, answer_s: float = ANSWER_S, open_s: float = OPEN_S) -> None:
+        self.setup = setup
+        self._open_s = open_s
+        self.starts = 0
+        self.opened: say.Opened | None = None
+        self._answer_s = answer_s
+        self._worker: Worker | None = None
+        self._scene: str | None = None
+
+    @property
+    def worker(self) -> Worker:
+        """The running worker; started if there is none.
+
+        Raises:
+            PrerequisiteError: its interpreter, or something in it, is missing.
+            EnvironmentFailure: it does not start.
+        """
+        if self._worker is None or not self._worker.alive:
+            self.close()
+            self._worker = Worker(self.setup.python, (self.setup.width_px, self.setup.height_px), answer_s=self._answer_s)
+            self.starts += 1
+        return self._worker
+
+    def open(self, scene: str) -> say.Opened:
+        """Load a scene unless it is open; a worker that no longer answers is replaced first.
+
+        Raises:
+            PrerequisiteError: the scene is missing.
+            EnvironmentFailure: the simulator cannot load it.
+        """
+        if self._worker is not None and self._worker.alive and self.opened is not None and self._scene == scene:
+            return self.opened
+        setup, path = self.setup, Path(self.setup.scenes) / scene
+        if not path.exists():
+            raise PrerequisiteError(f"Scene {str(path)!r} is missing: give the folder of all scenes with --scenes.")
+        self._scene = None
+        request = say.Open(
+            scene=str(path.resolve()),
+            scene_dataset=setup.scene_dataset,
+            cache=setup.cache,
+            width_px=setup.width_px,
+            height_px=setup.height_px,
+            hfov_deg=setup.hfov_deg,
+            camera_height_m=setup.camera_height_m,
+            agent_height_m=setup.agent_height_m,
+            agent_radius_m=setup.agent_radius_m,
+            cell_size_m=setup.cell_size_m,
+            cell_height_m=setup.cell_height_m,
+            max_climb_m=setup.max_climb_m,
+            max_slope_deg=setup.max_slope_deg,
+            step_m=setup.step_m,
+            turn_deg=setup.turn_deg,
+            sliding=setup.sliding,
+            gpu_device=setup.gpu_device,
+            seed=setup.seed,
+            labels=setup.labels,
+        )
+        self.opened = self.worker.ask(request, say.Opened, self._open_s)
+        self._scene = scene
+        return self.opened
+
+    def check(self) -> None:
+        """Make sure that the worker answers.
+
+        Raises:
+            EnvironmentFailure: it hung; the next use starts another.
+        """
+        if self._worker is not None and self._worker.alive:
+            self._worker.ask(say.Ping(), say.Pong, min(PING_S, self._answer_s))
+
+    def ask(self, request: say.Message, kind: type[Answer]) -> Answer:
+        """The answer to a request about the open scene.
+
+        Raises:
+            EnvironmentFailure: the simulator failed, or was lost before.
+        """
+        if self._worker is None or self._scene is None or not self._worker.alive:
+            raise EnvironmentFailure("Habitat-Sim's worker was lost: reset to an episode, which starts another.")
+        return self._worker.ask(request, kind)
+
+    @property
+    def image(self) -> mmap.mmap:
+        """The shared image of the last view, which outlives the worker that drew it."""
+        if self._worker is None:
+            raise ContractError("HabitatSimulator.image was read before a scene was open: open one first.")
+        return self._worker.block
+
+    def close(self) -> None:
+        """End the worker; may be called twice."""
+        if self._worker is not None:
+            self._worker.close()
+        self._worker, self._scene, self.opened = None, None, None
