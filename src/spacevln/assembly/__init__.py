@@ -4,12 +4,14 @@ from spacevln.assembly.build import build_agent, build_detector, build_environme
 from spacevln.assembly.configuration import (
     ComponentSettings,
     Configuration,
+    HabitatSettings,
     HousesSettings,
     KnownBuilding,
     LabelDetectorSettings,
     ModelPair,
     PromptOptions,
 )
+from spacevln.assembly.habitat_presets import PRESETS, HabitatPreset, preset_of
 from spacevln.assembly.presets import ABLATIONS, PAPER, ablation_of
 from spacevln.assembly.registration import RegisteredEnvironment
 from spacevln.assembly.situations import RecordedSituations
@@ -17,8 +19,11 @@ from spacevln.assembly.situations import RecordedSituations
 __all__ = [
     "ABLATIONS",
     "PAPER",
+    "PRESETS",
     "ComponentSettings",
     "Configuration",
+    "HabitatPreset",
+    "HabitatSettings",
     "HousesSettings",
     "KnownBuilding",
     "LabelDetectorSettings",
@@ -30,5 +35,6 @@ __all__ = [
     "build_agent",
     "build_detector",
     "build_environment",
+    "preset_of",
     "prompt_settings",
 ]

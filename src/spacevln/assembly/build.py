@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Mapping, Sequence
 
 from spacevln.agent import AgentSettings, Components, NavigationAgent
-from spacevln.assembly.configuration import Configuration
-from spacevln.core import ChatModel, Detector, Environment, EnvironmentSpec, EventSink, Executor, Planner, Role, UsageError
+from spacevln.assembly.configuration import Configuration, HabitatSettings
+from spacevln.core import (
+    ChatModel,
+    Detector,
+    Environment,
+    EnvironmentSpec,
+    EventSink,
+    Executor,
+    Planner,
+    PrerequisiteError,
+    Role,
+    UsageError,
+)
 from spacevln.environments.houses.environment import HousesEnvironment
 from spacevln.perception import LabelDetector
 from spacevln.reasoning.rules import RuleExecutor, RulePlanner
@@ -17,10 +29,21 @@ def build_environment(configuration: Configuration) -> Environment:
     """The world of a run.
 
     Raises:
-        PrerequisiteError: the renderer asked for cannot be used here.
+        PrerequisiteError: the renderer asked for, or the bridge to Habitat-Sim, cannot be used here.
     """
     settings = configuration.environment
+    if isinstance(settings, HabitatSettings):
+        return _habitat(settings)
     return HousesEnvironment(sliding=settings.sliding, renderer=settings.renderer)
+
+
+def _habitat(settings: HabitatSettings) -> Environment:
+    if importlib.util.find_spec("spacevln_bridge") is None or importlib.util.find_spec("msgpack") is None:
+        raise PrerequisiteError("Habitat-Sim is reached over a bridge: install it with `pip install 'spacevln[habitat]'`.")
+    from spacevln.environments.habitat.environment import HabitatEnvironment
+    from spacevln.environments.habitat.setup import HabitatSetup
+
+    return HabitatEnvironment(HabitatSetup(**settings.model_dump(exclude={"simulator", "preset"})))
 
 
 def build_detector(configuration: Configuration) -> Detector:

@@ -32,6 +32,40 @@ class HousesSettings(_Settings):
     sliding: bool = True
 
 
+class HabitatSettings(_Settings):
+    """Habitat-Sim in a Python of its own (:class:`~spacevln.environments.habitat.setup.HabitatSetup` says what each means).
+
+    Args:
+        simulator: tells these settings from those of the houses.
+        preset: which of :data:`~.habitat_presets.PRESETS` the values come from; the values themselves count.
+    """
+
+    simulator: Literal["habitat"] = "habitat"
+    preset: str
+    python: str
+    scenes: str
+    scene_dataset: str = ""
+    cache: str = ""
+    width_px: PositiveInt
+    height_px: PositiveInt
+    hfov_deg: float = Field(gt=0, lt=180)
+    camera_height_m: float = Field(gt=0)
+    agent_height_m: float = Field(gt=0)
+    agent_radius_m: float = Field(gt=0)
+    cell_size_m: float = Field(default=0.05, gt=0)
+    cell_height_m: float = Field(gt=0)
+    max_climb_m: float = Field(gt=0)
+    max_slope_deg: float = Field(default=45.0, gt=0, lt=90)
+    step_m: float = Field(default=0.25, gt=0)
+    turn_deg: float = Field(gt=0)
+    sliding: bool
+    depth_min_m: float = Field(ge=0)
+    depth_max_m: float = Field(gt=0)
+    gpu_device: int = Field(default=0, ge=-1)
+    seed: int = 0
+    labels: bool = True
+
+
 class LabelDetectorSettings(_Settings):
     """Simulated errors of the detector that reads simulator labels.
 
@@ -150,7 +184,7 @@ class Configuration(_Settings):
     """
 
     driver: Literal["agent", "random", "forward", "frontier", "oracle"] = "agent"
-    environment: HousesSettings = HousesSettings()
+    environment: HousesSettings | HabitatSettings = HousesSettings()
     detector: LabelDetectorSettings = LabelDetectorSettings()
     components: ComponentSettings = ComponentSettings()
     planner: Literal["rules", "vlm"] = "rules"

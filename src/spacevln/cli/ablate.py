@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from spacevln.cli.bench import Progress, check_world, run_options
+from spacevln.cli.bench import Progress, placed, run_options
 from spacevln.cli.data_options import data_options, selection_from
+from spacevln.cli.habitat_options import habitat_options
 from spacevln.cli.model_options import access_from
 from spacevln.cli.options import agent_options, configuration_from
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 @click.argument("suite")
 @data_options
 @run_options
+@habitat_options
 @agent_options
 def ablate(suite: str, workers: int, deadline: float | None, level: str, out: Path | None, **options: Any) -> None:
     """Run SUITE with each of the paper's nine presets and print its Table 4; the same command on the same --out resumes."""
@@ -31,8 +33,7 @@ def ablate(suite: str, workers: int, deadline: float | None, level: str, out: Pa
     from spacevln.recording import RecordLevel
 
     selection = selection_from(suite, options)
-    check_world(selection)
-    base = configuration_from(options)
+    base = placed(configuration_from(options), selection, options)
     if base.components != ABLATIONS["full"]:
         raise click.UsageError("`ablate` goes through the presets itself: leave --preset and --without out.")
     episodes = selection.load()

@@ -10,10 +10,12 @@ import click
 from spacevln.cli.costs import usage_line
 from spacevln.cli.data_options import data_options, selection_from
 from spacevln.cli.forecast import forecast_options, tell_forecast
+from spacevln.cli.habitat_options import habitat_options, in_habitat
 from spacevln.cli.model_options import access_from
 from spacevln.cli.options import Driver, agent_options, configuration_from
 
 if TYPE_CHECKING:
+    from spacevln.assembly import Configuration
     from spacevln.evaluation.datasets import Selection
     from spacevln.recording import ResultFile, SummaryFile
 
@@ -52,10 +54,11 @@ def run_options(command: Any) -> Any:
     help="The agent, or a baseline.",
 )
 @run_options
+@habitat_options
 @forecast_options
 @agent_options
 def bench(suite: str, driver: Driver, workers: int, deadline: float | None, level: str, out: Path | None, **options: Any) -> int:
-    """Run SUITE (houses-vln or houses-objectnav); the same command on the same --out resumes."""
+    """Run SUITE (houses-vln, houses-objectnav, r2r-ce, rxr-ce, hm3d-ovon); the same command on the same --out resumes."""
     from spacevln.cli.output import describe_run, prepare
     from spacevln.evaluation.runner import Job, claim_directory
     from spacevln.evaluation.runner import bench as run_suite
@@ -63,8 +66,7 @@ def bench(suite: str, driver: Driver, workers: int, deadline: float | None, leve
     from spacevln.viewer import write_site
 
     selection = selection_from(suite, options)
-    check_world(selection)
-    configuration = configuration_from(options, driver)
+    configuration = placed(configuration_from(options, driver), selection, options)
     episodes = selection.load()
     for note in episodes.notes:
         click.echo(f"data     {note}")
@@ -83,20 +85,27 @@ def bench(suite: str, driver: Driver, workers: int, deadline: float | None, leve
     return 1 if FAILED_STATUSES & set(summary.statuses) else 0
 
 
-def check_world(selection: Selection) -> None:
-    """Refuse benchmarks whose world is not here.
+def placed(configuration: Configuration, selection: Selection, options: dict[str, Any]) -> Configuration:
+    """The configuration in the world that the suite needs.
 
     Raises:
-        PrerequisiteError: with what is missing.
+        PrerequisiteError: that world is not here.
     """
     from spacevln.core import PrerequisiteError
-    from spacevln.evaluation.datasets import BENCHMARKS
+    from spacevln.evaluation.datasets import HOUSES_SUITES
 
-    if selection.suite in BENCHMARKS:
+    if selection.suite in HOUSES_SUITES:
+        if options["habitat_python"] is not None:
+            raise click.UsageError(f"Suite {selection.suite!r} runs in the embedded houses: leave --habitat-python out.")
+        return configuration
+    if selection.suite == "gn-bench":
         raise PrerequisiteError(
-            f"Suite {selection.suite!r} needs the Habitat bridge, which this version does not have yet: "
-            "use houses-vln or houses-objectnav."
+            "Suite 'gn-bench' needs the authors' Gaussian-splatting simulator, which this version does not speak to: "
+            "its episodes can be loaded, not run."
         )
+    said = click.get_current_context().get_parameter_source("sliding")
+    given = said is not None and said.name != "DEFAULT"
+    return in_habitat(configuration, selection.suite, options, sliding=options["sliding"] if given else None)
 
 
 class Progress:

@@ -6,17 +6,19 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 
 from spacevln.agent import EpisodeResult
 from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_detector, build_environment
-from spacevln.core import Environment, Event, EventSink, RecordError, SpendingLimit, UsageError
+from spacevln.core import Environment, EnvironmentFailure, Event, EventSink, PrerequisiteError, RecordError, SpendingLimit, UsageError
 from spacevln.evaluation import resources
 from spacevln.evaluation.baselines import BLIND_M, ForwardWalker, OracleWalker, RandomWalker, Walker, walk
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.frontier import FrontierWalker
 from spacevln.evaluation.score import environment_failure, score
+from spacevln.evaluation.truth import MeasuredTruth, Surveyed
 from spacevln.memory import BuildingMemory, SavedMemory, save_memory
 from spacevln.models import ModelDesk, RunAccess
 from spacevln.recording import EpisodeRecorder, RecordLevel, ResultFile, read_events, write_file
@@ -69,11 +71,18 @@ class Session(AbstractContextManager["Session"]):
             The result. An unexpected error of the program is recorded as ``crash.txt`` and counted as an environment failure.
 
         Raises:
+            PrerequisiteError: a scene or the simulator is missing; the run stops.
             RecordError: the record cannot be written; the run stops and can be resumed.
             SpendingLimit: the run has spent what it may; the episode has no result.
             UsageError: the memory to begin with is of another building, or cannot be read.
         """
         known, cpu_begin_s = self._known(episode), time.process_time()
+        try:
+            episode = self._measured(episode)
+        except EnvironmentFailure as error:
+            result = environment_failure(episode, f"before the start: {error}", restarts=restarts)
+            write_file(directory / "result.json", result, first_stands=True)
+            return result
         recorder = EpisodeRecorder(directory, level)
         try:
             left = self._drive(episode, known, (recorder, *sinks))
@@ -82,7 +91,7 @@ class Session(AbstractContextManager["Session"]):
             write_file(directory / resources.NAME, resources.measure(lines, cpu_begin_s))
             if left is not None:
                 result = result.model_copy(update=self._keep(left, episode, known, directory))
-        except (RecordError, SpendingLimit):
+        except (RecordError, SpendingLimit, PrerequisiteError):
             raise
         except Exception as error:  # noqa: BLE001 - the episode boundary: a bug must not take the other episodes along
             (directory / "crash.txt").write_text(traceback.format_exc(), encoding="utf-8")
@@ -93,6 +102,13 @@ class Session(AbstractContextManager["Session"]):
         if level is RecordLevel.FULL and self._configuration.driver == "agent" and not (directory / "crash.txt").exists():
             draw_topdown(directory)
         return result
+
+    def _measured(self, episode: Episode) -> Episode:
+        """The episode with the truth that the environment's simulator measures, where its file could only annotate."""
+        if episode.truth is not None or episode.annotations is None or not isinstance(self._environment, Surveyed):
+            return episode
+        truth = MeasuredTruth(episode.annotations, self._environment.geodesics(episode.scene), episode.start)
+        return replace(episode, truth=truth)
 
     def _known(self, episode: Episode) -> SavedMemory | None:
         """The memory of earlier episodes in this building, where the configuration names one."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,3 +74,11 @@ class MeasuredTruth:
     def follow(self, pose: Pose) -> Action:
         """The shortest-path follower's primitive."""
         return self._geodesics.follow(pose, self._annotations.targets)
+
+
+@runtime_checkable
+class Surveyed(Protocol):
+    """An environment whose simulator measures ways in its scenes."""
+
+    def geodesics(self, scene: str) -> Geodesics:
+        """Of a scene."""
