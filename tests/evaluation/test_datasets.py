@@ -13,13 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spacevln.core import Pose, PrerequisiteError, UsageError
-from spacevln.evaluation import datasets
 from spacevln.environments.habitat.frame import (
     points_from_habitat,
     points_to_habitat,
     pose_from_habitat,
     pose_to_habitat,
 )
+from spacevln.evaluation import datasets
 from spacevln.evaluation.datasets.scenes import scene_path
 
 R2R_FOLDER = os.environ.get("SPACEVLN_R2R_CE")

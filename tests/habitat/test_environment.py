@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bridge_world import DATA, RECORDS, SCENE, VERSIONS, episode, setup, small, use_standin
 
 from spacevln.core import Action, EpisodeSpec, InstructionTask, MoveForward, Stop, TurnLeft, TurnRight
 from spacevln.environments.habitat.environment import HabitatEnvironment
 from spacevln.environments.habitat.frame import pose_from_habitat, pose_to_habitat
 from spacevln.testing.environment import EnvironmentConformance
-from bridge_world import DATA, RECORDS, SCENE, VERSIONS, episode, setup, small, use_standin
 
 ACTIONS: dict[int, Action] = {0: Stop(), 1: MoveForward(), 2: TurnLeft(), 3: TurnRight()}
 BODIES = [("0.2.2", "3.8"), ("0.3.4", "current")]
@@ -74,9 +74,10 @@ def test_frames_agree_with_the_records(version: str, which: str, monkeypatch: py
     for index in (0, 4, 7, 11):
         pose = RECORDS["poses"][index]
         seen = world.reset(episode(pose["position"], pose["rotation"]))
-        assert np.abs(1000 * seen.depth_m - recorded[index]).max() < 3 or (
-            np.abs(1000 * seen.depth_m - recorded[index]) > 3
-        ).mean() < 1e-4  # edges
+        assert (
+            np.abs(1000 * seen.depth_m - recorded[index]).max() < 3
+            or (np.abs(1000 * seen.depth_m - recorded[index]) > 3).mean() < 1e-4
+        )  # edges
         assert seen.T_world_camera[2, 3] == pytest.approx(0.88, abs=1e-6)
     world.close()
 

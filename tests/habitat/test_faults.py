@@ -81,7 +81,9 @@ def test_a_native_death_tells_the_exit_code(monkeypatch: pytest.MonkeyPatch, tmp
         world.reset(episode())
 
 
-@pytest.mark.parametrize("garbage", [b"GET / HTTP/1.1\r\n\r\n", b"SVBR\x00\x00\x00\x02\xc1\xc1", b"SVBR\xff\xff\xff\xff", b"SVBR\x00\x00\x00\x01\x90"])
+@pytest.mark.parametrize(
+    "garbage", [b"GET / HTTP/1.1\r\n\r\n", b"SVBR\x00\x00\x00\x02\xc1\xc1", b"SVBR\xff\xff\xff\xff", b"SVBR\x00\x00\x00\x01\x90"]
+)
 def test_garbage_is_one_error_at_either_end(garbage: bytes) -> None:
     ours, theirs = socket.socketpair()
     ours.sendall(garbage)
@@ -112,10 +114,10 @@ def test_full_shared_memory_is_noticed_before_anything_starts(monkeypatch: pytes
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(process.os, "posix_fallocate", full)
-    before = len(os.listdir("/proc/self/fd"))
+    before = len(list(Path("/proc/self/fd").iterdir()))
     with pytest.raises(EnvironmentFailure, match=r"No space left on device"):
         small(tmp_path).reset(episode())
-    assert len(os.listdir("/proc/self/fd")) == before
+    assert len(list(Path("/proc/self/fd").iterdir())) == before
 
 
 def test_missing_things_are_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -135,7 +137,8 @@ def test_a_killed_client_leaves_no_worker(monkeypatch: pytest.MonkeyPatch, tmp_p
     use_standin(monkeypatch, "0.3.4")
     script = (
         "import sys, time; sys.path[:0] = sys.argv[1:-1]; from bridge_world import small, episode; from pathlib import Path; "
-        "w = small(Path(sys.argv[-1]), width_px=16, height_px=12); w.reset(episode()); print(w.simulator.worker.pid, flush=True); "
+        "w = small(Path(sys.argv[-1]), width_px=16, height_px=12); w.reset(episode()); "
+        "print(w.simulator.worker.pid, flush=True); "
         "time.sleep(100)"
     )
     paths = [str(HERE), *(entry for entry in sys.path if entry)]
@@ -149,10 +152,10 @@ def test_a_killed_client_leaves_no_worker(monkeypatch: pytest.MonkeyPatch, tmp_p
 
 
 def test_closing_leaves_neither_process_nor_descriptor(world: HabitatEnvironment) -> None:
-    before = len(os.listdir("/proc/self/fd"))
+    before = len(list(Path("/proc/self/fd").iterdir()))
     for _ in range(2):
         world.reset(episode())
         pid = world.simulator.worker.pid
         world.close()
         assert gone(pid)
-    assert len(os.listdir("/proc/self/fd")) <= before
+    assert len(list(Path("/proc/self/fd").iterdir())) <= before

@@ -33,7 +33,9 @@ def rxr(folder: Path) -> Path:
 def spacevln(*words: str) -> str:
     paths = os.pathsep.join([*filter(None, sys.path), os.environ["PYTHONPATH"]])
     command = [sys.executable, "-m", "spacevln", *words]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=280, env={**os.environ, "PYTHONPATH": paths}, check=False)
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=280, env={**os.environ, "PYTHONPATH": paths}, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

@@ -1,7 +1,7 @@
 """What the benchmarks' sources disagree about, as explicit values: the paper's settings and the official ones, side by side.
 
-A preset fills a :class:`~.configuration.HabitatSettings`, whose values are recorded with every run. Sources: VLN-CE's and OVON's task
-configurations, the paper's appendix, the authors' configurations; docs/habitat.md lists who says what.
+A preset fills a :class:`~.configuration.HabitatSettings`, whose values are recorded with every run. Sources: VLN-CE's and OVON's
+task configurations, the paper's appendix, the authors' configurations; docs/habitat.md lists who says what.
 """
 
 from __future__ import annotations

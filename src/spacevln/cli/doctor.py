@@ -14,6 +14,7 @@ from typing import Any
 import click
 
 from spacevln import __version__
+from spacevln.cli.doctor_habitat import habitat_findings
 from spacevln.cli.doctor_models import keys, model_findings
 from spacevln.cli.findings import Finding
 from spacevln.cli.model_options import choice_options
@@ -23,18 +24,21 @@ BASE = ("mujoco", "numba", "numpy", "opencv-python-headless", "pydantic", "scipy
 EXTRAS = (
     ("openai", "vlm", "vision-language models as planner and executor"),
     ("gymnasium", "gym", "the Gymnasium environment spacevln/Houses-v0"),
+    ("spacevln_bridge", "habitat", "Habitat-Sim in a Python of its own"),
     ("trimesh", "export", "writing houses as .glb files"),
 )
 
 
 @click.command()
 @choice_options
-def doctor(**options: Any) -> int:
+@click.option("--habitat-python", metavar="PATH|conda:NAME", default=None, help="Ask the worker of Habitat-Sim in this Python.")
+def doctor(habitat_python: str | None, **options: Any) -> int:
     """Say what is installed, reachable and missing, and the command that mends it.
 
     With --model, the model is asked one small question with a picture.
     """
     findings = [*_python(), *_packages(), *_renderer(), *_storage(), *_extras(), *keys(), *model_findings(options)]
+    findings += [] if habitat_python is None else habitat_findings(habitat_python)
     marks = {"ok": click.style("ok     ", fg="green"), "note": click.style("note   ", fg="yellow")}
     missing = click.style("missing", fg="red")
     for finding in findings:

@@ -26,7 +26,7 @@ def habitat_options(command: F) -> F:
         (
             click.option("--habitat-python", metavar="PATH|conda:NAME", default=None, help="Python that has habitat_sim."),
             click.option("--scenes", type=folder, default=None, help="Folder of all scenes, the parent of mp3d/ or hm3d/."),
-            click.option("--scene-dataset", type=folder, default=None, help="Scene dataset configuration; HM3D's labels need it."),
+            click.option("--scene-dataset", type=folder, default=None, help="Scene dataset configuration, for HM3D's labels."),
             click.option("--settings", default="paper", show_default=True, help="Of Habitat-Sim: paper or official."),
             click.option(
                 "--gpu-device", type=click.IntRange(min=-1), default=0, show_default=True, help="-1 for software rendering."
@@ -37,7 +37,9 @@ def habitat_options(command: F) -> F:
     return command
 
 
-def in_habitat(configuration: Configuration, suite: str, options: dict[str, Any], *, sliding: bool | None = None) -> Configuration:
+def in_habitat(
+    configuration: Configuration, suite: str, options: dict[str, Any], *, sliding: bool | None = None
+) -> Configuration:
     """The configuration in Habitat-Sim, with the settings of a source written out.
 
     Args:
@@ -85,7 +87,7 @@ def python_of(name: str) -> str:
         return name
     conda = next(filter(None, map(shutil.which, ("conda", "mamba", "micromamba"))), None)
     if conda is None:
-        raise PrerequisiteError(f"--habitat-python {name!r} needs conda, which is not on PATH: give the interpreter's path instead.")
+        raise PrerequisiteError(f"--habitat-python {name!r} needs conda on PATH: give the interpreter's path instead.")
     command = [conda, "run", "-n", environment, "python", "-c", "import sys; print(sys.executable)"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=CONDA_S, check=False)  # noqa: S603 - conda itself
     if done.returncode:

@@ -12,7 +12,16 @@ from types import TracebackType
 
 from spacevln.agent import EpisodeResult
 from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_detector, build_environment
-from spacevln.core import Environment, EnvironmentFailure, Event, EventSink, PrerequisiteError, RecordError, SpendingLimit, UsageError
+from spacevln.core import (
+    Environment,
+    EnvironmentFailure,
+    Event,
+    EventSink,
+    PrerequisiteError,
+    RecordError,
+    SpendingLimit,
+    UsageError,
+)
 from spacevln.evaluation import resources
 from spacevln.evaluation.baselines import BLIND_M, ForwardWalker, OracleWalker, RandomWalker, Walker, walk
 from spacevln.evaluation.episode import Episode

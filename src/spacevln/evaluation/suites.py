@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from spacevln.core import RecordError
+from spacevln.environments.habitat.frame import points_to_habitat, pose_to_habitat
 from spacevln.environments.houses.episodes import (
     Grounds,
     HouseEpisode,
@@ -28,7 +29,6 @@ from spacevln.environments.houses.episodes import (
 )
 from spacevln.environments.houses.house import build_house
 from spacevln.environments.houses.plan import Item
-from spacevln.environments.habitat.frame import points_to_habitat, pose_to_habitat
 from spacevln.evaluation.episode import Points
 from spacevln.evaluation.houses import REFERENCE_STEP_M, densify, split_of, tags_of
 from spacevln.evaluation.metrics import VLN_RADIUS_M

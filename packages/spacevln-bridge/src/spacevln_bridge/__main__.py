@@ -8,14 +8,16 @@ if not __package__:
     here = os.path.dirname(os.path.abspath(__file__))  # noqa: PTH100, PTH120 - only builtins before the package is found
     sys.path[:] = [entry for entry in sys.path if os.path.abspath(entry or ".") != here]  # noqa: PTH100
     found = importlib.util.spec_from_file_location(
-        "spacevln_bridge", os.path.join(here, "__init__.py"), submodule_search_locations=[here]  # noqa: PTH118
+        "spacevln_bridge",
+        os.path.join(here, "__init__.py"),  # noqa: PTH118
+        submodule_search_locations=[here],
     )
     assert found is not None and found.loader is not None  # noqa: S101, PT018 - a path that exists
     package = importlib.util.module_from_spec(found)
     sys.modules["spacevln_bridge"] = package
     found.loader.exec_module(package)
 
-from spacevln_bridge.worker import main  # noqa: E402 - the package may have had to be found first
+from spacevln_bridge.worker import main
 
 if __name__ == "__main__":
     main()

@@ -41,7 +41,7 @@ class Welcome:
 
 @dataclass(frozen=True)
 class Ping:
-    """Client: are you there?"""
+    """Client asks whether the worker is there."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,8 @@ class Pong:
 class Open:
     """Client: load a scene. Everything that decides what an episode in it is like is said here.
 
-    ``scene_dataset`` and ``cache`` may be empty: no scene dataset; navigation meshes are not kept. ``labels`` asks for the semantic sensor.
+    ``scene_dataset`` and ``cache`` may be empty: no scene dataset; navigation meshes are not kept. ``labels`` asks for
+    the semantic sensor.
     """
 
     scene: str
@@ -140,7 +141,7 @@ class Path:
 
 @dataclass(frozen=True)
 class Moves:
-    """Client: where would straight moves from a position end, by the navigation mesh, and how far is it to a target from there?"""
+    """Client: how far it is to the nearest target after each of some straight moves from a position."""
 
     start: Vector
     ends: bytes

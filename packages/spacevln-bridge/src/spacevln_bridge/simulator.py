@@ -61,7 +61,7 @@ class Simulator:
         """
         if asked == self._asked and self._opened is not None:
             return self._opened
-        if not os.path.exists(asked.scene):
+        if not Path(asked.scene).exists():
             raise SimulatorError("prerequisite", f"Scene {asked.scene!r} is missing: give the folder of scenes with --scenes.")
         self._asked = self._opened = None
         configuration = self._configuration(asked)
@@ -192,7 +192,7 @@ class Simulator:
         return sensor
 
     def _navigation_mesh(self, asked: Open) -> Dict[str, Any]:
-        """Compute the mesh with the very settings that were asked for, whatever lies beside the scene, or take it from the cache."""
+        """Compute the mesh with the very settings that were asked for, or take it from the cache; never what lies beside."""
         assert self._sim is not None  # noqa: S101 - made by the caller
         settings, finder = self._mesh_settings(asked), self._sim.pathfinder
         kept = Path(asked.cache) / f"{self._mesh_key(asked)}.navmesh" if asked.cache else None

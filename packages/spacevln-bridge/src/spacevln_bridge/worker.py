@@ -42,13 +42,9 @@ class Session:
             say.Open: self._open,
             say.Place: lambda asked: self._seen(simulator.place(asked.position, asked.rotation)),
             say.Act: lambda asked: self._seen(simulator.act(asked.action)),
-            say.Distances: lambda asked: say.Numbers(
-                simulator.distances(say.unpack(asked.positions), say.unpack(asked.targets))
-            ),
+            say.Distances: lambda asked: say.Numbers(simulator.distances(say.unpack(asked.positions), say.unpack(asked.targets))),
             say.Path: lambda asked: say.Points(say.pack(simulator.path(asked.start, say.unpack(asked.targets)))),
-            say.Moves: lambda asked: say.Numbers(
-                simulator.moves(asked.start, say.unpack(asked.ends), say.unpack(asked.targets))
-            ),
+            say.Moves: lambda asked: say.Numbers(simulator.moves(asked.start, say.unpack(asked.ends), say.unpack(asked.targets))),
         }
 
     def serve(self) -> None:
@@ -71,7 +67,7 @@ class Session:
             return answer(asked)
         except SimulatorError as error:
             return say.Failed(error.kind, str(error))
-        except Exception as error:  # noqa: BLE001 - the boundary to foreign code: whatever the simulator raises is the client's to judge
+        except Exception as error:  # noqa: BLE001 - the boundary to foreign code
             return say.Failed("simulator", f"Habitat-Sim failed in {type(asked).__name__}: {type(error).__name__}: {error}")
 
     def _open(self, asked: say.Open) -> say.Message:
@@ -100,12 +96,12 @@ def greet(channel: Channel, token: str) -> bool:
     if hello.protocol != say.PROTOCOL:
         channel.send(
             say.Failed(
-                "version", f"The worker speaks protocol {say.PROTOCOL}, the client {hello.protocol}: install one version at both ends."
+                "version",
+                f"The worker speaks protocol {say.PROTOCOL}, the client {hello.protocol}: install one version at both ends.",
             )
         )
         return False
     return True
-
 
 
 def main(arguments: Optional[List[str]] = None) -> None:
@@ -170,6 +166,6 @@ def _token() -> str:
 
 
 def _die_with_parent() -> None:
-    """Be killed when the client's thread dies, also inside a native call; where there is no such signal, the closed socket must do."""
+    """Be killed when the client's thread dies, also in a native call; elsewhere than on Linux the closed socket must do."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

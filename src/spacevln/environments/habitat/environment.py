@@ -1,4 +1,4 @@
-"""Habitat-Sim as an environment: poses in the episode frame, STOP decided here, every loss of the worker an environment failure."""
+"""Habitat-Sim as an environment: poses in the episode frame, STOP decided here, a lost worker an environment failure."""
 
 from __future__ import annotations
 

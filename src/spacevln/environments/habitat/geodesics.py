@@ -60,7 +60,7 @@ class SceneGeodesics:
         return points_from_habitat(points) if len(points) else np.asarray(start, np.float64).reshape(1, 3)
 
     def follow(self, pose: Pose, targets: Float) -> Action:
-        """The primitive after which a straight step leads nearest to a target; STOP where it has come near or nothing leads nearer."""
+        """Turn to where one step leads nearest to a target, and go; STOP where it is near or nothing leads nearer."""
         setup = self._simulator.setup
         here = float(self.distances_m(pose.position_m[None], targets)[0])
         if here < ARRIVAL_M or not math.isfinite(here):

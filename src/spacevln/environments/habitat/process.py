@@ -101,7 +101,8 @@ class Worker:
         except ChannelLate as error:
             self._give_up()
             raise EnvironmentFailure(
-                f"Habitat-Sim's worker did not answer {name} within {until:g} s and was ended: see `spacevln doctor --habitat-python`."
+                f"Habitat-Sim's worker did not answer {name} within {until:g} s and was ended: "
+                "see `spacevln doctor --habitat-python`."
             ) from error
         except ChannelError as error:
             raise self._lost(name, str(error)) from error
@@ -157,8 +158,8 @@ class Worker:
             )
         except OSError as error:
             raise PrerequisiteError(
-                f"The simulator's Python {self._python!r} cannot be started ({error.strerror}): give --habitat-python the path of an "
-                "interpreter, or conda:NAME."
+                f"The simulator's Python {self._python!r} cannot be started ({error.strerror}): "
+                "give --habitat-python the path of an interpreter, or conda:NAME."
             ) from error
 
     def _give_up(self) -> None:
@@ -184,7 +185,7 @@ class Worker:
 
 
 def _image_block(size_px: tuple[int, int]) -> tuple[int, mmap.mmap]:
-    """An anonymous file in shared memory, with its pages reserved: a full memory is noticed here, not in the middle of a picture."""
+    """An anonymous file in shared memory, its pages reserved: a full memory is noticed here, not in a picture's middle."""
     needed = block_bytes(*size_px)
     descriptor = os.memfd_create("spacevln-image")
     try:
@@ -193,7 +194,7 @@ def _image_block(size_px: tuple[int, int]) -> tuple[int, mmap.mmap]:
     except OSError as error:
         os.close(descriptor)
         raise EnvironmentFailure(
-            f"There is no shared memory for images of {needed / 1e6:.1f} MB ({error.strerror}): free memory, or use fewer workers."
+            f"There is no shared memory for images of {needed / 1e6:.1f} MB ({error.strerror}): free memory."
         ) from error
 
 

@@ -18,8 +18,8 @@ class HabitatSetup:
         scene_dataset: a scene dataset configuration; empty for none.
         cache: folder for navigation meshes; empty to compute them anew each time.
         width_px, height_px, hfov_deg, camera_height_m: the camera, over the agent's feet.
-        agent_height_m, agent_radius_m, cell_size_m, cell_height_m, max_climb_m, max_slope_deg: the navigation mesh, which is always
-            computed with these values, whatever lies beside the scene.
+        agent_height_m, agent_radius_m, cell_size_m, cell_height_m, max_climb_m, max_slope_deg: the navigation mesh, which is
+            always computed with these values, whatever lies beside the scene.
         step_m, turn_deg: primitives.
         sliding: slide along obstacles, or stop at contact.
         depth_min_m, depth_max_m: measurements outside are none.

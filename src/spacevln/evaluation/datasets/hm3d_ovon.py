@@ -13,6 +13,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from spacevln.core import EpisodeSpec, ObjectGoalTask, PrerequisiteError
+from spacevln.environments.habitat.frame import points_from_habitat, pose_from_habitat
 from spacevln.evaluation.datasets.files import (
     DatasetError,
     FileRecord,
@@ -30,7 +31,6 @@ from spacevln.evaluation.datasets.files import (
     shown,
     unknown_note,
 )
-from spacevln.environments.habitat.frame import points_from_habitat, pose_from_habitat
 from spacevln.evaluation.datasets.scenes import scene_name
 from spacevln.evaluation.datasets.sequence import EpisodeSequence, Source
 from spacevln.evaluation.episode import Episode

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from spacevln.core import EpisodeSpec, InstructionTask
+from spacevln.environments.habitat.frame import points_from_habitat, pose_from_habitat
 from spacevln.evaluation.datasets.files import (
     DatasetError,
     FileRecord,
@@ -30,7 +31,6 @@ from spacevln.evaluation.datasets.files import (
     refuse_duplicates,
     unknown_note,
 )
-from spacevln.environments.habitat.frame import points_from_habitat, pose_from_habitat
 from spacevln.evaluation.datasets.locate import locate_split
 from spacevln.evaluation.datasets.scenes import scene_name
 from spacevln.evaluation.datasets.sequence import EpisodeSequence, Source

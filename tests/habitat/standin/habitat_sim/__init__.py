@@ -350,7 +350,9 @@ class Simulator:
             begin = agent.state.position
             wanted = (begin + (ahead * amount).astype(np.float32)).astype(np.float32)
             finder = self.pathfinder
-            reached = finder.try_step(begin, wanted) if self.config.sim_cfg.allow_sliding else finder.try_step_no_sliding(begin, wanted)
+            reached = (
+                finder.try_step(begin, wanted) if self.config.sim_cfg.allow_sliding else finder.try_step_no_sliding(begin, wanted)
+            )
             agent.state.position = np.asarray(reached, np.float32)
             collided = bool(np.linalg.norm(agent.state.position - begin) + EPS < np.linalg.norm(wanted - begin))
         else:
@@ -372,6 +374,4 @@ class Simulator:
 
 
 agent = types.SimpleNamespace(AgentConfiguration=AgentConfiguration, ActionSpec=ActionSpec, ActuationSpec=ActuationSpec)
-utils = types.SimpleNamespace(
-    common=types.SimpleNamespace(quat_from_coeffs=lambda q: Quaternion(q[3], q[0], q[1], q[2]))
-)
+utils = types.SimpleNamespace(common=types.SimpleNamespace(quat_from_coeffs=lambda q: Quaternion(q[3], q[0], q[1], q[2])))
