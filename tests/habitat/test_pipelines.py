@@ -55,6 +55,7 @@ def _standin(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
 
 
+@pytest.mark.slow
 def test_the_reference_follower_reaches_every_goal_of_r2r_ce(tmp_path: Path) -> None:
     found = run("r2r-ce", DATA, tmp_path, "--driver", "oracle", "--episodes", "4")
     assert found["metrics"]["SR"] == 100

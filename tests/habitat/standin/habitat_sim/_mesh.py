@@ -37,7 +37,7 @@ class Mesh:
         walls = [(t, e) for t in range(len(self.index)) for e in range(3) if self.neighbour[t, e] < 0]
         self.wall_island = np.array([self.island[t] for t, _ in walls])
         self.walls = np.array([[self.flat[t, e], self.flat[t, (e + 1) % 3]] for t, e in walls])
-        self._graphs = {}
+        self._graphs, self._ends = {}, {}
 
     @staticmethod
     def index_of(points, keys):
@@ -165,7 +165,10 @@ class Mesh:
             return float(np.linalg.norm(b - a)), [_lift(a, height), _lift(b, height)]
         nodes, weights = self._graph(island)
         best = np.where(self._visible(island, a, nodes), np.linalg.norm(nodes - a, axis=1), np.inf)
-        last = np.where(self._visible(island, b, nodes), np.linalg.norm(nodes - b, axis=1), np.inf)
+        key = (int(island), *b.tolist())
+        if key not in self._ends:
+            self._ends[key] = np.where(self._visible(island, b, nodes), np.linalg.norm(nodes - b, axis=1), np.inf)
+        last = self._ends[key]
         before, done = -np.ones(len(nodes), int), np.zeros(len(nodes), bool)
         for _ in range(len(nodes)):
             at = int(np.argmin(np.where(done, np.inf, best)))
