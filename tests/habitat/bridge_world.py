@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+pytest.importorskip("msgpack", reason="`make test` installs it")
+
 from spacevln.core import EpisodeSpec, InstructionTask
 from spacevln.environments.habitat.environment import HabitatEnvironment
 from spacevln.environments.habitat.frame import pose_from_habitat
