@@ -52,6 +52,7 @@ def run(suite: str, data: Path, tmp_path: Path, *more: str) -> dict[str, Any]:
 @pytest.fixture(autouse=True)
 def _standin(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     use_standin(monkeypatch, "0.3.4")
+    monkeypatch.setenv("HABITAT_STANDIN_COARSE", "4")
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
 
 

@@ -1,7 +1,8 @@
 """A stand-in for habitat_sim with the house and the habits that were recorded from the real one (../../data/README.md).
 
 HABITAT_STANDIN chooses the version, "0.2.2" or "0.3.4"; they differ where the records differ: types of vectors, when a navigation mesh is
-made, moves without sliding. Attributes that the real classes do not have are refused, as theirs are. HABITAT_STANDIN_FAULT makes it misbehave.
+made, moves without sliding. Attributes that the real classes do not have are refused, as theirs are. HABITAT_STANDIN_FAULT makes it misbehave, HABITAT_STANDIN_COARSE
+draws only every so many pixels, for tests that look at nothing fine.
 """
 
 import gzip
@@ -22,6 +23,7 @@ VERSION = os.environ.get("HABITAT_STANDIN", "0.3.4")
 __version__ = {"0.3.4": "0.3.3", "0.2.2": "0.2.2"}[VERSION]  # upstream did not raise it at 0.3.4
 MODERN = VERSION == "0.3.4"
 FAULT = os.environ.get("HABITAT_STANDIN_FAULT", "")
+COARSE = int(os.environ.get("HABITAT_STANDIN_COARSE", "1"))
 DATA = Path(__file__).resolve().parents[2] / "data"
 RECORDS = json.loads(gzip.decompress((DATA / "records.json.gz").read_bytes()).decode())
 HOUSE = dict(np.load(str(DATA / "house.npz")))
@@ -369,7 +371,8 @@ class Simulator:
         first = sensors[0]
         height, width = first.resolution
         eye = np.asarray(state.sensor_states[first.uuid].position, np.float64)
-        images = dict(zip(("color", "depth", "semantic"), draw(HOUSE, eye, state.rotation.matrix(), width, height, first.hfov)))
+        drawn = draw(HOUSE, eye, state.rotation.matrix(), width // COARSE, height // COARSE, first.hfov)
+        images = dict(zip(("color", "depth", "semantic"), (each.repeat(COARSE, 0).repeat(COARSE, 1) for each in drawn)))
         return {sensor.uuid: images[sensor.sensor_type] for sensor in sensors}
 
 

@@ -5,6 +5,8 @@ import math
 import numpy as np
 
 EPS = 1e-5
+_BLOCK = 4
+_SHARES = np.linspace(0.001, 0.999, 61)
 
 
 def cross(a, b):
@@ -37,7 +39,7 @@ class Mesh:
         walls = [(t, e) for t in range(len(self.index)) for e in range(3) if self.neighbour[t, e] < 0]
         self.wall_island = np.array([self.island[t] for t, _ in walls])
         self.walls = np.array([[self.flat[t, e], self.flat[t, (e + 1) % 3]] for t, e in walls])
-        self._graphs, self._ends = {}, {}
+        self._graphs, self._ends, self._planes = {}, {}, {}
 
     @staticmethod
     def index_of(points, keys):
@@ -127,14 +129,25 @@ class Mesh:
         d3, d4 = cross(b - a, p - a), cross(b - a, q - a)
         blocked = ((d1 * d2 < -1e-10) & (d3 * d4 < -1e-10)).any(axis=1)
         free = np.flatnonzero(~blocked)
-        mesh = self.flat[self.island == island]
-        for share in np.linspace(0.001, 0.999, 61):
-            at = a + share * (others[free] - a)
-            sides = cross((np.roll(mesh, -1, 1) - mesh)[None], at[:, None, None] - mesh[None])
-            free = free[(sides >= -1e-6).all(axis=2).any(axis=1)]
+        normals, offsets = self._sides(island)
+        at = a + _SHARES[:, None, None] * (others[free] - a)
+        inside = (at.reshape(-1, 2) @ normals - offsets >= -1e-6).reshape(-1, 3, len(offsets) // 3).all(axis=1).any(axis=1)
+        free = free[inside.reshape(len(_SHARES), -1).all(axis=0)]
         seen = np.zeros(len(others), bool)
         seen[free] = True
         return seen
+
+    def _sides(self, island):
+        """Half planes of an island's triangles: normals (2, 3T) and offsets (3T,), side by side."""
+        if island not in self._planes:
+            mesh = self.flat[self.island == island]
+            along = np.roll(mesh, -1, 1) - mesh
+            normals = np.stack([-along[..., 1], along[..., 0]])
+            self._planes[island] = (
+                normals.transpose(0, 2, 1).reshape(2, -1),
+                (normals[0] * mesh[..., 0] + normals[1] * mesh[..., 1]).T.ravel(),
+            )
+        return self._planes[island]
 
     def _graph(self, island):
         if island not in self._graphs:
@@ -163,25 +176,34 @@ class Mesh:
         a, b = a[[0, 2]], b[[0, 2]]
         if self._visible(island, a, b[None])[0]:
             return float(np.linalg.norm(b - a)), [_lift(a, height), _lift(b, height)]
-        nodes, weights = self._graph(island)
-        best = np.where(self._visible(island, a, nodes), np.linalg.norm(nodes - a, axis=1), np.inf)
+        nodes, cost, after = self._ways_to(island, b)
+        total = np.linalg.norm(nodes - a, axis=1) + cost
+        order = np.argsort(total)
+        for block in np.split(order, range(_BLOCK, len(order), _BLOCK)):  # the first that is seen is the best
+            seen = block[self._visible(island, a, nodes[block])]
+            if len(seen) and np.isfinite(total[seen[0]]):
+                at, corners = int(seen[0]), [a]
+                while at >= 0:
+                    corners.append(nodes[at])
+                    at = int(after[at])
+                return float(total[seen[0]]), [_lift(p, height) for p in [*corners, b]]
+        return math.inf, []
+
+    def _ways_to(self, island, b):
+        """Corners of an island, how far each is from b, and which comes next on the way; -1 where b does."""
         key = (int(island), *b.tolist())
         if key not in self._ends:
-            self._ends[key] = np.where(self._visible(island, b, nodes), np.linalg.norm(nodes - b, axis=1), np.inf)
-        last = self._ends[key]
-        before, done = -np.ones(len(nodes), int), np.zeros(len(nodes), bool)
-        for _ in range(len(nodes)):
-            at = int(np.argmin(np.where(done, np.inf, best)))
-            done[at] = True
-            shorter = best[at] + weights[at] < best - 1e-12
-            best = np.where(shorter, best[at] + weights[at], best)
-            before[shorter] = at
-        at = int(np.argmin(best + last))
-        length, corners = float(best[at] + last[at]), [b]
-        while at >= 0:
-            corners.append(nodes[at])
-            at = before[at]
-        return length, [_lift(p, height) for p in [*corners, a][::-1]]
+            nodes, weights = self._graph(island)
+            cost = np.where(self._visible(island, b, nodes), np.linalg.norm(nodes - b, axis=1), np.inf)
+            after, done = -np.ones(len(nodes), int), np.zeros(len(nodes), bool)
+            for _ in range(len(nodes)):
+                at = int(np.argmin(np.where(done, np.inf, cost)))
+                done[at] = True
+                shorter = cost[at] + weights[at] < cost - 1e-12
+                cost = np.where(shorter, cost[at] + weights[at], cost)
+                after[shorter] = at
+            self._ends[key] = nodes, cost, after
+        return self._ends[key]
 
 
 def _on(point, p, q):
