@@ -14,6 +14,7 @@ from spacevln.core import (
     EpisodeEnded,
     EpisodeStatus,
     ExecutedDecision,
+    ExecutorReply,
     FallbackUsed,
     GateAsked,
     LookedAround,
@@ -230,6 +231,32 @@ def test_a_refused_plan_is_asked_again_with_the_reason() -> None:
     assert [len(context.rejections) for context in done.planner.contexts] == [0, 1, 2]
     assert done.planner.contexts[2].rejections[1] == "no JSON."
     assert len(done.events(SubtaskIssued)) == 1
+
+
+def test_no_fallback_is_silent_be_its_reply_used_or_refused() -> None:
+    plans = [
+        ReplyRejected("wrong_type", "no number.", ("reply_prose",)),
+        PlannerReply(subtask_of(CHAIN, 0, "image 3"), fallbacks=("reply_fenced",)),
+        PlannerReply(subtask_of(CHAIN, 0), fallbacks=("loose_way",)),
+    ]
+    moves = [
+        ReplyRejected("action", "no action.", ("reply_prose",)),
+        ExecutorReply(MoveForward(7.0), fallbacks=("reply_fenced",)),
+        ExecutorReply(Stop(), fallbacks=("straight_line",)),
+    ]
+    done = run(plans, moves, AgentSettings(step_limit=14))
+    assert [(event.detail, event.kind) for event in done.events(FallbackUsed)] == [
+        *(("planner", kind) for kind in ("reply_prose", "reply_fenced", "loose_way")),
+        *(("executor", kind) for kind in ("reply_prose", "reply_fenced", "straight_line")),
+    ]
+
+
+def test_what_the_executor_saw_is_told_from_its_first_image_on() -> None:
+    done = run([subtask_of(CHAIN, 0)], [Stop()], AgentSettings(step_limit=14), start=Pose(-0.9, 0.0))
+    assert not any(isinstance(event, StepTaken) and event.phase == "align" for event in done.sink.events)
+    (made,) = done.events(DecisionMade)
+    assert made.sightings == done.executor.contexts[0].sightings
+    assert [seen.category for seen in made.sightings] == ["doorway"]
 
 
 @pytest.mark.parametrize("line", [subtask_of(CHAIN, 0, "image 3"), ReplyRejected("parse", "no JSON."), ModelError("gone")])

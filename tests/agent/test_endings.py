@@ -21,6 +21,7 @@ from spacevln.core import (
     PlannerContext,
     Pose,
     SafetyStop,
+    SpendingLimit,
     StepTaken,
     Stop,
     StopReason,
@@ -74,6 +75,20 @@ def test_what_breaks_in_the_environment_ends_typed(
     assert (done.result.status, done.result.stop_reason, done.result.stopped) == (status, reason, False)
     assert done.result.steps == at - 1
     assert done.result.detail
+    assert done.sink.names()[-2:] == ["MapSaved", "EpisodeEnded"]
+
+
+@pytest.mark.parametrize("who", ["planner", "executor"])
+def test_a_run_that_has_spent_what_it_may_stops_the_body(who: str) -> None:
+    spent = SpendingLimit("The run has spent 5 USD.")
+    done = run([spent]) if who == "planner" else run(executor=[spent])
+    assert (done.result.status, done.result.stop_reason) == (EpisodeStatus.INTERRUPTED, StopReason.SPENDING)
+    assert done.result.stop_reason.forced
+    assert done.result.detail == str(spent)
+    steps = done.events(StepTaken)
+    assert done.result.stopped
+    assert steps[-1].action == Stop()
+    assert len(steps) == done.result.steps == 13
     assert done.sink.names()[-2:] == ["MapSaved", "EpisodeEnded"]
 
 

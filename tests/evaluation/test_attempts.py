@@ -7,22 +7,28 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from spacevln.assembly import Configuration
-from spacevln.core import EpisodeSpec, InstructionTask, Pose, UsageError
-from spacevln.evaluation import datasets
+from spacevln.agent import NavigationAgent
+from spacevln.assembly import Configuration, ModelPair, PromptOptions
+from spacevln.core import Environment, EpisodeSpec, EventSink, InstructionTask, Pose, SpendingLimit, UsageError
+from spacevln.evaluation import attempt, datasets
 from spacevln.evaluation.attempt import Session
 from spacevln.evaluation.baselines import BLIND_FORWARDS
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.houses import RouteTruth, densify, house_episode, pick_episode
 from spacevln.evaluation.probes import probe
+from spacevln.models import ModelChoice
+from spacevln.perception import LabelDetector
 from spacevln.recording import RecordLevel, ResultFile, SummaryFile, read_events, read_file
-from spacevln.recording.schema import StepTakenLine
+from spacevln.recording.schema import EpisodeEndedLine, StepTakenLine
+from spacevln.testing.flatland import Flatland
+from spacevln.testing.scripted import ScriptedExecutor, ScriptedPlanner
 
 SHORT = Configuration(step_budget=34)
 
@@ -96,6 +102,30 @@ def test_a_bug_is_recorded_and_counted_not_raised(tmp_path: Path) -> None:
     assert result.status == "environment_failure"
     assert result.metrics.SR == 0.0
     assert "house-x" in (tmp_path / "crash.txt").read_text()
+
+
+def test_a_spent_purse_ends_the_run_and_leaves_the_episode_to_be_resumed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def poor(_: Configuration, environment: Environment, sinks: Sequence[EventSink], __: object) -> NavigationAgent:
+        planner = ScriptedPlanner([SpendingLimit("The run has spent 5 USD.")])
+        return NavigationAgent(environment, LabelDetector(), planner, ScriptedExecutor(), None, sinks)
+
+    monkeypatch.setattr(attempt, "build_agent", poor)
+    spec = EpisodeSpec("e", "flatland", Pose(0.0, 0.0), InstructionTask("Go."))
+    with Session(SHORT, Flatland()) as session, pytest.raises(SpendingLimit, match="5 USD"):
+        session.attempt(Episode(spec, None), tmp_path, level=RecordLevel.LIGHT)
+    assert not (tmp_path / "result.json").exists()
+    last = list(read_events(tmp_path))[-1]
+    assert isinstance(last, EpisodeEndedLine)
+    assert (last.status, last.stop_reason, last.stopped) == ("interrupted", "spending", True)
+
+
+def test_settings_that_do_not_fit_the_body_are_told_before_anything_begins() -> None:
+    relay = ModelChoice(profile="relay", model="talk")
+    wrong = Configuration(
+        planner="vlm", executor="vlm", models=ModelPair(planner=relay, executor=relay), prompts=PromptOptions(view_count=5)
+    )
+    with pytest.raises(UsageError, match=r"^view_count=5 does not divide the 12 views of a look-around: use 1, 2, "):
+        Session(wrong, Flatland())
 
 
 def test_probes_change_the_words_and_not_the_goal() -> None:

@@ -23,8 +23,8 @@ from spacevln.core import (
     Pose,
     ReplyRefused,
     Role,
-    SpendingLimit,
     StepTaken,
+    StopReason,
 )
 from spacevln.models import ModelChoice, ModelDesk, RetrySettings, RunAccess
 from spacevln.models.modes import ModeMemory
@@ -180,9 +180,12 @@ def test_an_executor_that_fails_hands_the_stage_back(tmp_path: Path) -> None:
     assert result.status in (EpisodeStatus.STEP_LIMIT, EpisodeStatus.MODEL_FAILURE)
 
 
-def test_a_spent_purse_ends_the_run_not_the_navigation(tmp_path: Path) -> None:
-    with pytest.raises(SpendingLimit):
-        Dictated(tmp_path).run(EventList(), access=RunAccess(max_usd=0.005))
+def test_a_spent_purse_stops_the_body_and_is_no_failure_of_the_model(tmp_path: Path) -> None:
+    sink = EventList()
+    result = Dictated(tmp_path).run(sink, access=RunAccess(max_usd=0.005))
+    assert (result.status, result.stop_reason, result.stopped) == (EpisodeStatus.INTERRUPTED, StopReason.SPENDING, True)
+    assert "--max-usd 0.005" in result.detail
+    assert "FallbackUsed" not in sink.names()
 
 
 FAULTS: tuple[Callable[[str], Turn], ...] = (

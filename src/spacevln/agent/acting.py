@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from spacevln.agent.fallbacks import tell_fallbacks
 from spacevln.control import ControlSettings
 from spacevln.core import (
     AdmissibleActions,
@@ -29,14 +30,14 @@ def ask_executor(
         try:
             reply = executor.act(replace(context, rejections=tuple(refused)))
         except ReplyRejected as rejected:
+            tell_fallbacks(rejected, stage, "executor", emit)
             kind, reason = rejected.kind, rejected.reason
         except ModelError as error:
             emit(FallbackUsed(stage, "executor_failed", str(error)))
             return None
         else:
+            tell_fallbacks(reply, stage, "executor", emit)
             if context.admissible.allows(reply.action):
-                for fallback in reply.fallbacks:
-                    emit(FallbackUsed(stage, fallback, "executor"))
                 return reply
             kind, reason = "inadmissible", f"{describe(reply.action)!r} is not admissible: {allowed(context.admissible)}."
         emit(ReplyRefused(stage, "executor", kind, reason))

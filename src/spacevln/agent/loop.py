@@ -15,7 +15,7 @@ from spacevln.agent.settings import AgentSettings
 from spacevln.agent.stage import Stage
 from spacevln.agent.world import World
 from spacevln.control import StepBudget, default_step_limit
-from spacevln.core import EnvironmentFailure, EpisodeSpec, EpisodeStatus, ModelError, SafetyStop, StopReason, Task
+from spacevln.core import EnvironmentFailure, EpisodeSpec, EpisodeStatus, ModelError, SafetyStop, SpendingLimit, StopReason, Task
 from spacevln.core.contexts import PlannerContext
 from spacevln.core.events import Event, LookedAround, StageEnded, WaypointAdded
 from spacevln.core.interfaces import Detector, Environment, EventSink, Executor, Planner
@@ -68,6 +68,8 @@ class NavigationAgent:
                 ending = self._navigate(episode.task, body, world, subtasks)
             except ModelError as error:  # the paper's controlled state: stop, and say why
                 ending = Ending(EpisodeStatus.MODEL_FAILURE, StopReason.MODEL, str(error))
+            except SpendingLimit as limit:  # the run's end, not the agent's: no attempt at the episode, but the body stops
+                ending = Ending(EpisodeStatus.INTERRUPTED, StopReason.SPENDING, str(limit))
             body.stop()
         except EnvironmentFailure as error:
             ending = Ending(EpisodeStatus.ENVIRONMENT_FAILURE, StopReason.ENVIRONMENT, str(error))

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from spacevln.agent.fallbacks import tell_fallbacks
 from spacevln.control import ControlSettings, GateVerdict, Rejection, chain_revision, validate_subtask
 from spacevln.core import (
     Event,
-    FallbackUsed,
     GateAsked,
     ModelError,
     Planner,
@@ -39,16 +39,16 @@ def ask_planner(
         try:
             reply = planner.plan(replace(context, rejections=tuple(refused)))
         except ReplyRejected as rejected:
+            tell_fallbacks(rejected, stage, "planner", emit)
             rejections = [Rejection(rejected.kind, rejected.reason)]
         else:
+            tell_fallbacks(reply, stage, "planner", emit)
             rejections = validate_subtask(reply, context, settings)
             if not rejections and reply.subtask.complete:
                 verdict = judge(reply.subtask)
                 emit(GateAsked(stage, verdict.accepted, verdict.clauses))
                 rejections = [] if verdict.accepted else [Rejection("gate", verdict.reason)]
             if not rejections:
-                for kind in reply.fallbacks:
-                    emit(FallbackUsed(stage, kind, "planner"))
                 revision = chain_revision(reply.subtask, context.last_subtask)
                 emit(SubtaskIssued(stage, reply.subtask, reply.thought, clock() - begin, revision))
                 return reply.subtask

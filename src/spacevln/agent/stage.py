@@ -118,6 +118,7 @@ class Stage:
                 pool=context.pool,
                 admissible=context.admissible,
                 seconds=self._clock() - begin,
+                sightings=context.sightings,
             )
         )
         if isinstance(reply.action, Stop):

@@ -1,6 +1,6 @@
 """Configuration, and the one place that names concrete classes."""
 
-from spacevln.assembly.build import build_agent, build_detector, build_environment, prompt_settings
+from spacevln.assembly.build import build_agent, build_detector, build_environment, check_settings, prompt_settings
 from spacevln.assembly.configuration import (
     ComponentSettings,
     Configuration,
@@ -35,6 +35,7 @@ __all__ = [
     "build_agent",
     "build_detector",
     "build_environment",
+    "check_settings",
     "preset_of",
     "prompt_settings",
 ]

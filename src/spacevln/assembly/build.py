@@ -46,6 +46,16 @@ def _habitat(settings: HabitatSettings) -> Environment:
     return HabitatEnvironment(HabitatSetup(**settings.model_dump(exclude={"simulator", "preset"})))
 
 
+def check_settings(configuration: Configuration, spec: EnvironmentSpec) -> None:
+    """What only the body can tell of a configuration, asked before an episode begins.
+
+    Raises:
+        UsageError: the number of views does not divide this body's look-around.
+    """
+    if "vlm" in (configuration.planner, configuration.executor):
+        PlannerPrompt(prompt_settings(configuration), spec)
+
+
 def build_detector(configuration: Configuration) -> Detector:
     """What grounds landmarks."""
     return LabelDetector(**configuration.detector.model_dump())

@@ -114,7 +114,7 @@ class RecordedSituations:
             admissible=made.admissible,
             space=MetricMap(),
             decisions_left=ControlSettings().stage_decisions - decision + 1,
-            sightings=image.sightings,
+            sightings=made.sightings or image.sightings,  # older records have them with the step alone
         )
 
     @property

@@ -8,7 +8,7 @@ SpaceVLNError
 ├── RecordError             a run record cannot be read or written
 ├── ReplyRejected           one reply of a model is unusable; asked again with the reason
 ├── ModelError              a planner, executor or chat model failed for good     episode ends: model_failure
-├── SpendingLimit           the run has spent what it may                         the run ends; the episode has no result
+├── SpendingLimit           the run has spent what it may                         episode ends: interrupted; so does the run
 ├── EnvironmentFailure      a simulator or robot failed                           episode ends: environment_failure
 └── SafetyStop              a safety rule ended the motion                        episode ends: safety
 
@@ -64,12 +64,14 @@ class ReplyRejected(SpaceVLNError):  # noqa: N818 - an event, not a failure
     Args:
         kind: class of the rejection, e.g. ``"parse"``, ``"direction"``; counted in the report.
         reason: what was wrong, in words that go back to the model.
+        fallbacks: what was let pass in it before, e.g. an object found in prose; counted like those of a usable reply.
     """
 
-    def __init__(self, kind: str, reason: str) -> None:
+    def __init__(self, kind: str, reason: str, fallbacks: tuple[str, ...] = ()) -> None:
         super().__init__(reason)
         self.kind = kind
         self.reason = reason
+        self.fallbacks = fallbacks
 
 
 class ModelError(SpaceVLNError):
@@ -77,7 +79,11 @@ class ModelError(SpaceVLNError):
 
 
 class SpendingLimit(SpaceVLNError):  # noqa: N818 - a limit, not a failure: the episode can be resumed
-    """The run has spent what ``--max-usd`` allows; it ends, and its open episodes have no result until it is resumed."""
+    """The run has spent what ``--max-usd`` allows; it ends, and its open episodes have no result until it is resumed.
+
+    The agent's loop ends its episode by a forced STOP, as :attr:`~spacevln.core.StopReason.SPENDING`, and returns; the attempt
+    raises this again for the run.
+    """
 
 
 class EnvironmentFailure(SpaceVLNError):  # noqa: N818 - the word of the status it becomes

@@ -138,7 +138,7 @@ class DecisionMade:
 
     Args:
         decision: number within the stage, from 1.
-        obstacles, pool, admissible: what it saw.
+        obstacles, pool, admissible, sightings: what it saw.
     """
 
     stage: int
@@ -150,6 +150,7 @@ class DecisionMade:
     pool: LandmarkPool
     admissible: AdmissibleActions
     seconds: float
+    sightings: tuple[Sighting, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

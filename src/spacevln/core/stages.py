@@ -237,6 +237,7 @@ class StopReason(StrEnum):
     MODEL = "model"  # forced: N_retry replies were rejected or the model failed
     ENVIRONMENT = "environment"
     SAFETY = "safety"
+    SPENDING = "spending"  # forced: the run has spent what it may; the episode can be run again
     INTERRUPT = "interrupt"
 
     @property

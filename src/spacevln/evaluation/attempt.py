@@ -11,7 +11,7 @@ from pathlib import Path
 from types import TracebackType
 
 from spacevln.agent import EpisodeResult
-from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_detector, build_environment
+from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_detector, build_environment, check_settings
 from spacevln.core import (
     Environment,
     EnvironmentFailure,
@@ -20,6 +20,7 @@ from spacevln.core import (
     PrerequisiteError,
     RecordError,
     SpendingLimit,
+    StopReason,
     UsageError,
 )
 from spacevln.evaluation import resources
@@ -44,6 +45,9 @@ class Session(AbstractContextManager["Session"]):
         configuration: of the run.
         environment: used instead of the one that the configuration names.
         access: what the run lets its models do.
+
+    Raises:
+        UsageError: the settings do not fit the environment.
     """
 
     def __init__(
@@ -52,6 +56,7 @@ class Session(AbstractContextManager["Session"]):
         self._configuration = configuration
         self._desk = None if configuration.models is None else ModelDesk(configuration.models.choices, access)
         self._environment = environment or build_environment(configuration)
+        check_settings(configuration, self._environment.spec)
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
         self._environment.close()
@@ -82,7 +87,7 @@ class Session(AbstractContextManager["Session"]):
         Raises:
             PrerequisiteError: a scene or the simulator is missing; the run stops.
             RecordError: the record cannot be written; the run stops and can be resumed.
-            SpendingLimit: the run has spent what it may; the episode has no result.
+            SpendingLimit: the run has spent what it may; the body was stopped, the episode has no result.
             UsageError: the memory to begin with is of another building, or cannot be read.
         """
         known, cpu_begin_s = self._known(episode), time.process_time()
@@ -95,6 +100,8 @@ class Session(AbstractContextManager["Session"]):
         recorder = EpisodeRecorder(directory, level)
         try:
             left = self._drive(episode, known, (recorder, *sinks))
+            if left is not None and left.stop_reason is StopReason.SPENDING:
+                raise SpendingLimit(left.detail)
             lines = list(read_events(directory))
             result = score(episode, lines, restarts=restarts)
             write_file(directory / resources.NAME, resources.measure(lines, cpu_begin_s))

@@ -154,6 +154,7 @@ class DecisionMadeLine(Record):
     pool: LandmarkPool
     admissible: AdmissibleActions
     seconds: float
+    sightings: tuple[Sighting, ...] = ()
 
 
 class ExecutedLine(Record):

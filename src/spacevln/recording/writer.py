@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Literal, TextIO
@@ -234,6 +235,7 @@ def _decision(event: DecisionMade, t: float) -> schema.DecisionMadeLine:
         pool=event.pool,
         admissible=event.admissible,
         seconds=event.seconds,
+        sightings=tuple(replace(each, surface_m=(), relief=()) for each in event.sightings),  # these stand with the step
     )
 
 

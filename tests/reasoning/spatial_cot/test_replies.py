@@ -17,6 +17,7 @@ from spacevln.core import (
     AnchorStatus,
     CueKind,
     MoveForward,
+    ObjectGoalTask,
     ReplyRejected,
     SpaceKind,
     Stop,
@@ -180,6 +181,56 @@ def test_kinds_of_cues_follow_from_their_words() -> None:
 )
 def test_what_does_not_fit_is_refused_by_its_class(path: str, value: Any, kind: str) -> None:
     assert kind_of(changed(path, value)) == kind
+
+
+def chain_of(*statuses: str) -> list[dict[str, Any]]:
+    return [anchor | {"status": status} for anchor, status in zip(REPLY["chain"], statuses, strict=True)]
+
+
+def said(verdict: str, chain: list[dict[str, Any]], next_anchor: int | None) -> str:
+    """A later reply; the last stage headed for the second anchor, by the brown bench."""
+    target = None if next_anchor is None else {name: chain[next_anchor][name] for name in ("space", "landmark")}
+    rest = {"next_anchor": target, "landmark": "" if target is None else target["landmark"], "complete": target is None}
+    return json.dumps(REPLY | {"progress": {"reasoning": "So.", "verdict": verdict}, "chain": chain} | rest)
+
+
+@pytest.mark.parametrize(
+    ("text", "agree"),
+    [
+        (said("completed", chain_of("done", "here", "ahead"), 2), True),
+        (said("completed", chain_of("here", "ahead", "ahead"), 1), False),
+        (said("completed", [chain_of("here", "", "")[0], *chain_of("", "", "ahead")[2:]], 1), False),
+        (said("completed", chain_of("done", "done", "here"), None), True),
+        (said("continue", chain_of("here", "ahead", "ahead"), 1), True),
+        (said("continue", chain_of("done", "here", "ahead"), 2), False),
+        (said("continue", chain_of("done", "done", "here"), None), False),
+        (said("continue", [chain_of("here", "", "")[0], *chain_of("", "", "ahead")[2:]], 1), True),
+        (said("transition", chain_of("here", "ahead", "ahead"), 1), False),
+        (said("transition", [chain_of("here", "", "")[0], *chain_of("", "", "ahead")[2:]], 1), True),
+        (said("transition", chain_of("done", "here", "ahead"), 2), True),
+    ],
+)
+def test_a_verdict_agrees_with_the_chain_of_its_reply(text: str, agree: bool) -> None:
+    refusal = refusal_of(lambda: PlannerPrompt(settings(), BODY).parse(text, later_call()))
+    assert (refusal is None) == agree
+    if refusal is not None:
+        assert refusal.kind == "verdict"
+        assert json.loads(text)["progress"]["verdict"] in refusal.reason
+
+
+def test_a_place_to_search_may_leave_the_chain_once_it_was_reached() -> None:
+    text = said("completed", [chain_of("here", "", "")[0], *chain_of("", "", "ahead")[2:]], 1)
+    task = ObjectGoalTask("white sofa")
+    assert PlannerPrompt(settings(), BODY).parse(text, later_call(task=task)).subtask.current_index == 0
+
+
+@pytest.mark.parametrize("wrong", [REPLY, REPLY | {"complete": "no"}, REPLY | {"direction": "north"}])
+def test_what_was_let_pass_is_counted_whether_the_reply_is_used_or_not(wrong: dict[str, Any]) -> None:
+    text = f"I think {json.dumps(wrong)} is best."
+    prompt = PlannerPrompt(settings(), BODY)
+    refusal = refusal_of(lambda: prompt.parse(text, later_call()))
+    told = prompt.parse(text, later_call()).fallbacks if refusal is None else refusal.fallbacks
+    assert told == ("reply_prose",)
 
 
 @pytest.mark.parametrize("text", ["", "Turn left.", '{"a": 1', "[1]", '{"a": 1} {"b": 2}', "\ufffd\ufffd", "{" * 5000])

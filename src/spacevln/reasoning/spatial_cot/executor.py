@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from spacevln.core import ChatModel, ExecutorContext, ExecutorReply
 from spacevln.reasoning.spatial_cot.executor_prompt import ExecutorPrompt
 from spacevln.reasoning.spatial_cot.transcript import Transcript
@@ -18,8 +20,7 @@ class ModelExecutor:
     """
 
     def __init__(self, model: ChatModel, prompt: ExecutorPrompt) -> None:
-        self._model, self._prompt = model, prompt
-        self._transcript = Transcript()
+        self._prompt, self._transcript = prompt, Transcript(model)
 
     def reset(self) -> None:
         """A new episode begins."""
@@ -32,8 +33,4 @@ class ModelExecutor:
             ReplyRejected: the reply could not be parsed into an action.
             ModelError, SpendingLimit: of the model.
         """
-        request = self._prompt.request(context, self._transcript.refusals(context.rejections))
-        self._transcript.asking(context.rejections)
-        reply = self._model.complete(request)
-        self._transcript.answered(reply.text)
-        return self._prompt.parse(reply.text)
+        return self._prompt.parse(self._transcript.ask(partial(self._prompt.request, context), context.rejections))

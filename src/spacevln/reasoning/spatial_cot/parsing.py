@@ -6,6 +6,8 @@ place, action admissible) is judged by ``control`` and the loop.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -16,6 +18,7 @@ from spacevln.core import (
     ExecutorReply,
     ExecutorThought,
     Found,
+    JsonReply,
     PlannerReply,
     PlannerThought,
     ReplyRejected,
@@ -62,15 +65,17 @@ def parse_planner(text: str, *, scot: bool, first: bool) -> PlannerReply:
         ReplyRejected: ``parse``, ``missing_field``, ``unknown_field``, ``wrong_type``, ``wrong_value``, ``too_long``,
             ``chain`` (empty), ``chain_order`` or ``verdict``.
     """
-    answer, fallbacks = _read(text, SpatialCoTPlannerReply if scot else DirectPlannerReply)
-    thought, verdict = PlannerThought(), ""
-    match answer:
-        case SpatialCoTPlannerReply():
-            verdict = answer.progress.verdict
-            thought = PlannerThought(answer.observation, answer.memory, answer.progress.reasoning, answer.decision, answer.plan)
-        case DirectPlannerReply():
-            verdict = answer.verdict
-    return PlannerReply(_subtask(answer, Verdict.FIRST if first else _verdict(verdict)), thought, fallbacks)
+    found = read_object(text)
+    with _counted(found) as fallbacks:
+        answer = _validated(found, SpatialCoTPlannerReply if scot else DirectPlannerReply)
+        thought, verdict = PlannerThought(), ""
+        match answer:
+            case SpatialCoTPlannerReply(progress=progress):
+                verdict = progress.verdict
+                thought = PlannerThought(answer.observation, answer.memory, progress.reasoning, answer.decision, answer.plan)
+            case DirectPlannerReply():
+                verdict = answer.verdict
+        return PlannerReply(_subtask(answer, Verdict.FIRST if first else _verdict(verdict)), thought, fallbacks)
 
 
 def parse_executor(text: str, choices: Choices, *, scot: bool) -> ExecutorReply:
@@ -84,28 +89,38 @@ def parse_executor(text: str, choices: Choices, *, scot: bool) -> ExecutorReply:
     Raises:
         ReplyRejected: as of :func:`parse_planner`, or ``action``: the words are no action of this body.
     """
-    answer, fallbacks = _read(text, SpatialCoTExecutorReply if scot else DirectExecutorReply)
-    thought = ExecutorThought()
-    match answer:
-        case SpatialCoTExecutorReply():
-            words = answer.action.choice
-            thought = ExecutorThought(answer.view, answer.detection, answer.progress, answer.action.reasoning)
-        case DirectExecutorReply():
-            words = answer.action
-    chosen = choices.get(" ".join(words.casefold().split()))
-    if chosen is None:
-        raise ReplyRejected("action", f"Action {words!r} is unknown: choose one of {', '.join(choices)}.")
-    return ExecutorReply(*chosen, thought, fallbacks)
-
-
-def _read(text: str, model: type[M]) -> tuple[M, tuple[str, ...]]:
-    """The typed reply, and a fallback where the JSON object did not stand alone."""
     found = read_object(text)
+    with _counted(found) as fallbacks:
+        answer = _validated(found, SpatialCoTExecutorReply if scot else DirectExecutorReply)
+        thought = ExecutorThought()
+        match answer:
+            case SpatialCoTExecutorReply():
+                words = answer.action.choice
+                thought = ExecutorThought(answer.view, answer.detection, answer.progress, answer.action.reasoning)
+            case DirectExecutorReply():
+                words = answer.action
+        chosen = choices.get(" ".join(words.casefold().split()))
+        if chosen is None:
+            raise ReplyRejected("action", f"Action {words!r} is unknown: choose one of {', '.join(choices)}.")
+        return ExecutorReply(*chosen, thought, fallbacks)
+
+
+@contextmanager
+def _counted(found: JsonReply) -> Iterator[tuple[str, ...]]:
+    """A fallback where the JSON object did not stand alone; a refusal of this reply tells it as well."""
+    fallbacks = () if found.found is Found.WHOLE else (f"reply_{found.found}",)
     try:
-        answer = model.model_validate(found.value)
+        yield fallbacks
+    except ReplyRejected as rejected:
+        rejected.fallbacks = fallbacks
+        raise
+
+
+def _validated(found: JsonReply, model: type[M]) -> M:
+    try:
+        return model.model_validate(found.value)
     except ValidationError as error:
         raise _rejected(error) from error
-    return answer, () if found.found is Found.WHOLE else (f"reply_{found.found}",)
 
 
 def _rejected(error: ValidationError) -> ReplyRejected:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from spacevln.core import ChatModel, PlannerContext, PlannerReply, Task
 from spacevln.reasoning.spatial_cot.planner_prompt import PlannerPrompt
@@ -20,8 +21,7 @@ class ModelPlanner:
     """
 
     def __init__(self, model: ChatModel, prompt: PlannerPrompt) -> None:
-        self._model, self._prompt = model, prompt
-        self._transcript = Transcript()
+        self._prompt, self._transcript = prompt, Transcript(model)
 
     def lookaround_queries(self, task: Task) -> Sequence[str]:
         """Doorways: the model sees them in the pictures, the memory parts spaces at them and draws them on the map."""
@@ -36,11 +36,7 @@ class ModelPlanner:
         """The next subtask.
 
         Raises:
-            ReplyRejected: the reply could not be parsed into stage variables.
+            ReplyRejected: the reply could not be parsed into stage variables, or contradicts itself.
             ModelError, SpendingLimit: of the model.
         """
-        request = self._prompt.request(context, self._transcript.refusals(context.rejections))
-        self._transcript.asking(context.rejections)
-        reply = self._model.complete(request)
-        self._transcript.answered(reply.text)
-        return self._prompt.parse(reply.text, context)
+        return self._prompt.parse(self._transcript.ask(partial(self._prompt.request, context), context.rejections), context)

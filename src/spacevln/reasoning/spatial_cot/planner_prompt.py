@@ -32,6 +32,7 @@ from spacevln.reasoning.spatial_cot.parsing import parse_planner
 from spacevln.reasoning.spatial_cot.settings import Layout, PromptSettings
 from spacevln.reasoning.spatial_cot.templating import render
 from spacevln.reasoning.spatial_cot.transcript import Refusal, conversation
+from spacevln.reasoning.spatial_cot.verdicts import contradiction
 
 
 class PlannerPrompt:
@@ -81,14 +82,22 @@ class PlannerPrompt:
         """The reply to such a question.
 
         Raises:
-            ReplyRejected: it does not hold stage variables; see :func:`~spacevln.reasoning.spatial_cot.parsing.parse_planner`.
+            ReplyRejected: it does not hold stage variables (see :func:`~spacevln.reasoning.spatial_cot.parsing.parse_planner`),
+                names a view that was not shown, or its verdict contradicts its chain.
         """
         reply = parse_planner(text, scot=self._settings.planner_scot, first=context.last_subtask is None)
         direction = reply.subtask.direction
         if not reply.subtask.complete and direction not in self.directions:
             raise ReplyRejected(
-                "direction", f"Direction {direction!r} is none of the views: choose one of {', '.join(self.directions)}."
+                "direction",
+                f"Direction {direction!r} is none of the views: choose one of {', '.join(self.directions)}.",
+                reply.fallbacks,
             )
+        if context.last_subtask is not None:
+            object_goal = isinstance(context.task, ObjectGoalTask)
+            wrong = contradiction(reply.subtask, context.last_subtask, object_goal=object_goal)
+            if wrong:
+                raise ReplyRejected("verdict", wrong, reply.fallbacks)
         return reply
 
     def _render_static(self, object_goal: bool) -> tuple[Part, ...]:

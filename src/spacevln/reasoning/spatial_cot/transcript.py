@@ -1,10 +1,11 @@
-"""The refused replies of one question, so that the model is told what it wrote and why it cannot be used."""
+"""Asking a chat model, with the refused replies of the question, so that it is told what it wrote and why that cannot be used."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
-from spacevln.core import Message, Part, Speaker, TextPart
+from spacevln.core import ChatModel, ChatRequest, Message, Part, Speaker, TextPart
 from spacevln.reasoning.spatial_cot.templating import render
 
 MAX_SHOWN_CHARS = 6000  # of a refused reply; a longer one is no use to anybody
@@ -24,17 +25,33 @@ class Refusal:
 
 
 class Transcript:
-    """Remembers replies between two questions of the same query, for as long as they are refused."""
+    """Asks a chat model, and remembers its replies to the same query for as long as they are refused.
 
-    def __init__(self) -> None:
+    Args:
+        model: answers.
+    """
+
+    def __init__(self, model: ChatModel) -> None:
+        self._model = model
         self._replies: list[tuple[str, int]] = []  # text, and how many reasons there were before it
 
-    def refusals(self, rejections: tuple[str, ...]) -> tuple[Refusal, ...]:
-        """What was refused so far in this query; no rejection begins a new one.
+    def ask(self, request: Callable[[tuple[Refusal, ...]], ChatRequest], rejections: tuple[str, ...]) -> str:
+        """The reply's text.
 
         Args:
-            rejections: of the context, oldest first.
+            request: makes the question from what was refused so far.
+            rejections: of the context, oldest first; none begins a new query.
+
+        Raises:
+            ReplyRejected, ModelError, SpendingLimit: of the model.
         """
+        question = request(self._refusals(rejections))
+        self._replies.append(("", len(rejections)))  # stays empty where no reply comes through
+        text = self._model.complete(question).text
+        self._replies[-1] = (text, len(rejections))
+        return text
+
+    def _refusals(self, rejections: tuple[str, ...]) -> tuple[Refusal, ...]:
         if not rejections:
             self._replies.clear()
             return ()
@@ -42,14 +59,6 @@ class Transcript:
             return (Refusal("", rejections),)
         ends = [*(start for _, start in self._replies[1:]), len(rejections)]
         return tuple(Refusal(text, rejections[start:end]) for (text, start), end in zip(self._replies, ends, strict=True))
-
-    def asking(self, rejections: tuple[str, ...]) -> None:
-        """A question goes out."""
-        self._replies.append(("", len(rejections)))
-
-    def answered(self, text: str) -> None:
-        """Its reply came."""
-        self._replies[-1] = (text, self._replies[-1][1])
 
     def clear(self) -> None:
         """Forget everything."""
