@@ -1,0 +1,1 @@
+"""What carries messages: in-process loopback, CycloneDDS, Zenoh, rclpy."""
