@@ -101,6 +101,13 @@ def test_what_stands_before_a_landmark_in_view_does_not_hide_its_arrival() -> No
     assert not seen("lamp", (Pose(12.0, 3.0), [lamp]), (here, [])).arrived
 
 
+def test_what_hangs_too_high_to_be_in_view_from_nearby_is_arrived_at_over_the_furniture_below() -> None:
+    lamp, far, near = thing("lamp", 12.0, 4.75), Pose(12.0, 3.0), Pose(12.0, 4.1)  # over the shelf
+    high = replace(lamp, position_m=(*lamp.position_m[:2], 1.8))
+    assert seen("lamp", (far, [high]), (near, [])).arrived
+    assert not seen("lamp", (Pose(12.0, 0.6), [high]), (near, [])).arrived  # not from that far away
+
+
 def test_attributes_that_contradict_never_arrive_and_rank_last() -> None:
     black, white = thing("sofa", 11.5, 2.0, ("black",)), thing("sofa", 14.0, 2.0, ("white",), box_px=(60, 0, 99, 90))
     memory = seen("white sofa", (LIVING, [black, white]))

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+_DENSE = 100  # cells of a box per asked cell
 TILE_CELLS = 240
 
 
@@ -61,11 +62,10 @@ class TiledLayer:
         out = np.zeros(len(ij), self.dtype)
         if not self.tiles or not len(ij):
             return out
+        (i0, j0), (i1, j1) = ij.min(axis=0).tolist(), ij.max(axis=0).tolist()
+        if (i1 - i0 + 1) * (j1 - j0 + 1) <= _DENSE * len(ij):  # one copy of what lies between is cheaper than sorting by tile
+            return np.asarray(self.window(i0, j0, i1 - i0 + 1, j1 - j0 + 1)[ij[:, 0] - i0, ij[:, 1] - j0])
         keys, inner = np.divmod(ij, TILE_CELLS)
-        (low_i, low_j), (high_i, high_j) = keys.min(axis=0).tolist(), keys.max(axis=0).tolist()
-        if (low_i, low_j) == (high_i, high_j):  # mostly all of them lie in one tile
-            tile = self.tiles.get((low_i, low_j))
-            return out if tile is None else tile[inner[:, 0], inner[:, 1]]
         for key in map(tuple, np.unique(keys, axis=0).tolist()):
             tile = self.tiles.get(key)
             if tile is not None:

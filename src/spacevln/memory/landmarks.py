@@ -26,6 +26,8 @@ DUPLICATE_RANGE_M = 0.35  # [authors' code]
 MIN_ARRIVAL_CONFIDENCE = 0.4  # above what contradicted attributes allow [ours]
 FLOOR_CHANGE_M = 1.0  # of height that makes another floor [authors' code]
 SURFACE_CELL_M = 0.1
+HIGH_M = 1.3  # over the floor; from nearby such a thing is above the image [ours]
+LAST_SEEN_M = 3.0  # from where it was last in view [ours]
 
 
 @dataclass(slots=True)
@@ -42,6 +44,7 @@ class _Instance:
     best_view: tuple[bool, float]  # of an opening: seen with both jambs, nearness
     seen_in: int
     last_image: int
+    seen_from: Pose
     surface: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
 
     def nearest(self, pose: Pose) -> tuple[float, tuple[float, float]]:
@@ -78,7 +81,7 @@ class LocalLandmarkMemory:
         for sighting, confidence in fitting:
             if not any(_duplicate(sighting, other) for other, _ in kept):
                 kept.append((sighting, confidence))
-        self._fuse(kept)
+        self._fuse(kept, pose)
         self._changed_floor = self._changed_floor or abs(pose.z_m - self._start.z_m) > FLOOR_CHANGE_M
         self._candidates = tuple(sorted((self._judge(instance, pose, metric_map) for instance in self._instances), key=_rank))
 
@@ -103,7 +106,7 @@ class LocalLandmarkMemory:
         agreement = fit(self.landmark, sighting.category, sighting.attributes)
         return 0.0 if agreement is None else min(sighting.confidence, agreement.value)
 
-    def _fuse(self, sightings: list[tuple[Sighting, float]]) -> None:
+    def _fuse(self, sightings: list[tuple[Sighting, float]], pose: Pose) -> None:
         """One-to-one, nearest pairs first: two things seen in one image stay two."""
         pairs = []
         for s, (sighting, _) in enumerate(sightings):
@@ -120,10 +123,11 @@ class LocalLandmarkMemory:
                 free_sightings.discard(s)
                 free_instances.discard(number)
                 self._absorb(self._instances[number], *sightings[s])
+                self._instances[number].seen_from = pose
         for s in sorted(free_sightings):
-            self._instances.append(self._born(*sightings[s]))
+            self._instances.append(self._born(*sightings[s], pose))
 
-    def _born(self, sighting: Sighting, confidence: float) -> _Instance:
+    def _born(self, sighting: Sighting, confidence: float, pose: Pose) -> _Instance:
         instance = _Instance(
             number=len(self._instances),
             category=sighting.category,
@@ -135,6 +139,7 @@ class LocalLandmarkMemory:
             best_view=_view_quality(sighting),
             seen_in=1,
             last_image=self._images,
+            seen_from=pose,
         )
         _add_surface(instance, sighting)
         return instance
@@ -192,7 +197,7 @@ class LocalLandmarkMemory:
         if distance > ARRIVAL_RADIUS_M[self.kind]:  # of what is sought: a door may turn out to be open from nearby
             return False
         in_view = instance.last_image == self._images  # then a chair before the table is no wall
-        return in_view or not blocked_by_wall(pose, point, metric_map)
+        return in_view or not blocked_by_wall(pose, point, metric_map) or _is_overhead(instance, pose, metric_map)
 
 
 def summarise(pool: LandmarkPool, landmark: str) -> str:
@@ -205,6 +210,16 @@ def summarise(pool: LandmarkPool, landmark: str) -> str:
         f"{candidate.category}{' (arrived)' if candidate.arrived else ''} {candidate.distance_m:.1f} m "
         f"{egocentric_label(candidate.bearing_rad)}{'' if candidate.visible else ', remembered'}"
         for candidate in pool
+    )
+
+
+def _is_overhead(instance: _Instance, pose: Pose, metric_map: SpatialMap) -> bool:
+    """Whether it hangs too high to be in view from here, over furniture, and one came straight from where it was in view."""
+    seen_from = instance.seen_from
+    return (
+        instance.position[2] - pose.z_m > HIGH_M
+        and pose.distance_m(seen_from.x_m, seen_from.y_m) <= LAST_SEEN_M
+        and metric_map.line_of_sight(pose.xy_m, seen_from.xy_m)
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from spacevln.core import Pose, SpatialMap
+from spacevln.reasoning.rules.lattice import Guide
 from spacevln.reasoning.rules.sightings import XY, Portal
 
 Float = NDArray[np.float64]
@@ -19,6 +21,7 @@ CELL_M = 0.15
 MARGIN_M = 1.5
 DETOUR_M = 3.0  # how far a way to a near goal may lead around
 COMFORT_M = 0.35  # walks keep this far from walls where they can
+CROWDED = 1.5  # what a metre along an obstacle costs more
 STEP_M = 0.2
 NOWHERE = 0
 
@@ -155,11 +158,16 @@ class FloorGrid:
         points[0], points[-1] = start, goal
         return resampled(self._pulled(points, room))
 
-    def loose_walk(self, start: XY, goal: XY) -> Float | None:
-        """A walk over the whole storey that may brush along obstacles and over unseen floor at a price; None when cut off."""
+    @cached_property
+    def loose_price(self) -> Float:
+        """(I, J) price of a metre for who may brush along obstacles and walk over unseen floor."""
         cost = np.where(self.obstacle, 60.0, np.where(self.free, 1.0, 2.5))
         room_m = (np.asarray(distance_transform_edt(~self.obstacle)) - 0.5) * CELL_M
-        cost = cost + 5.0 * np.clip(1.0 - room_m / COMFORT_M, 0.0, 1.0)
+        return np.asarray(cost + CROWDED * np.clip(1.0 - room_m / COMFORT_M, 0.0, 1.0))
+
+    @cached_property
+    def _loose_graph(self) -> csr_matrix:
+        cost = self.loose_price
         index = np.arange(cost.size).reshape(self.shape)
         rows, cols, costs = [], [], []
         for di, dj in ((1, 0), (0, 1), (1, 1), (1, -1)):
@@ -168,11 +176,21 @@ class FloorGrid:
             rows.append(index[a].ravel())
             cols.append(index[b].ravel())
             costs.append((math.hypot(di, dj) * CELL_M * (cost[a] + cost[b]) / 2).ravel())
-        graph = csr_matrix((np.concatenate(costs), (np.concatenate(rows), np.concatenate(cols))), shape=(cost.size, cost.size))
+        return csr_matrix((np.concatenate(costs), (np.concatenate(rows), np.concatenate(cols))), shape=(cost.size, cost.size))
+
+    def loose_length_m(self, goal: XY) -> Float:
+        """(I, J) priced length of the loose way from every cell to a goal."""
+        i, j = self.cell(goal)
+        length = dijkstra(self._loose_graph, directed=False, indices=np.array([i * self.shape[1] + j]))
+        return np.asarray(length[0]).reshape(self.shape)
+
+    def loose_walk(self, start: XY, goal: XY) -> Float | None:
+        """A walk over the whole storey that may brush along obstacles and over unseen floor at a price; None when cut off."""
         (i, j), (k, m) = self.cell(start), self.cell(goal)
-        _, parents = dijkstra(graph, directed=False, indices=np.array([index[i, j]]), return_predecessors=True)
-        steps = [int(index[k, m])]
-        while steps[-1] != index[i, j]:
+        first = i * self.shape[1] + j
+        _, parents = dijkstra(self._loose_graph, directed=False, indices=np.array([first]), return_predecessors=True)
+        steps = [k * self.shape[1] + m]
+        while steps[-1] != first:
             parent = int(parents[0][steps[-1]])
             if parent < 0:
                 return None
@@ -223,10 +241,10 @@ def square_rad(space: SpatialMap, pose: Pose, reach_m: float = 5.0) -> float:
     return math.atan2(float((weight * np.sin(4 * angle)).sum()), float((weight * np.cos(4 * angle)).sum())) / 4
 
 
-def comfortable_way(space: SpatialMap, pose: Pose, goal: XY) -> Float | None:
-    """A way to a goal that keeps off obstacles, over known floor where it can, (N, 2) every 0.2 m."""
+def comfortable_guide(space: SpatialMap, pose: Pose, goal: XY) -> Guide:
+    """The way to a goal that keeps off obstacles, over known floor where it can."""
     grid = FloorGrid(space, np.array([[pose.x_m, pose.y_m], goal]), (), ((pose.x_m, pose.y_m),), DETOUR_M)
-    return grid.loose_walk((pose.x_m, pose.y_m), goal)
+    return Guide(grid.origin, CELL_M, grid.loose_price, grid.loose_length_m(goal))
 
 
 def resampled(path: Float, step_m: float = STEP_M) -> Float:

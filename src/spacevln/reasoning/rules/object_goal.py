@@ -15,7 +15,7 @@ from spacevln.perception.attributes import Agreement
 from spacevln.perception.matching import fit
 from spacevln.reasoning.rules.beliefs import Beliefs
 from spacevln.reasoning.rules.flights import STAIRS_ENTRY
-from spacevln.reasoning.rules.grid import resampled
+from spacevln.reasoning.rules.grid import NOWHERE, resampled
 from spacevln.reasoning.rules.heading import way_length_m
 from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal, Thing
 from spacevln.reasoning.rules.state import EpisodeState
@@ -29,7 +29,9 @@ STAIRS_STEPS = 30.0
 AT_ENTRY_M = 1.0  # of a flight
 STAIRS = 0.25  # share of homes whose goal is on another storey than the start
 FAILED = 0.2  # what a failed stage leaves of a place's hope
+AROUND = 0.2  # and one that parts nothing
 GUESSED = 0.6  # and a portal whose threshold was not seen
+WALL_STEP_M = 0.05
 LOOKED_M = 0.9  # a place this near to a look-around hides nothing more
 OVERLOOKED_M = 1.5  # nor does a place beyond a portal in clear sight of one
 EDGE = 0.5  # a frontier shows a part of a room
@@ -39,6 +41,9 @@ STAND_OFF_M = 0.65  # from a goal's nearest surface
 AT_GOAL_M = 0.75
 FAR_M = 1.3  # from a thing's surface: more than a table between
 DETOUR_M = 0.6  # beyond the straight line: something as long as a wall lies between
+GIVEN_UP = 3  # stages to one thing in vain: others first, until few steps are left
+LAST_TRY_STEPS = 60
+VAIN_M = 4.0  # of way, that a stage in vain is worth
 STOOD_M = 0.35  # around a place from which the goal was not confirmed
 KIND_STEPS = 70  # another kind of the goal's genus does when no more steps are left
 
@@ -63,6 +68,7 @@ class Quest:
         space: what the place is.
         reason: in words.
         stairs: the way leads to another floor.
+        thing: number of the instance that is seen.
     """
 
     xy: XY
@@ -71,6 +77,7 @@ class Quest:
     space: str
     reason: str
     stairs: bool = False
+    thing: int | None = None
 
 
 def match(goal: str, name: str, attributes: tuple[str, ...]) -> Match | None:
@@ -156,9 +163,12 @@ def _seen_instance(context: PlannerContext, world: World, goal: str, state: Epis
         xy = standing_place(context, world, thing, state)
         if xy is None:
             continue
-        cost = way_length_m(context, xy) + 4.0 * state.failed(world.floor, xy)
+        vain = state.vain.get(thing.id, 0)
+        if vain >= GIVEN_UP and context.steps_left > LAST_TRY_STEPS:
+            continue
+        cost = way_length_m(context, xy) + VAIN_M * vain
         if best is None or cost < best[0]:
-            best = (cost, Quest(xy, world.floor, True, "", f"a {thing.names[0]} is seen"))
+            best = (cost, Quest(xy, world.floor, True, "", f"a {thing.names[0]} is seen", thing=thing.id))
     return None if best is None else best[1]
 
 
@@ -171,6 +181,8 @@ def standing_place(context: PlannerContext, world: World, thing: Thing, state: E
     before = _before(context, thing)
     if (
         before is not None
+        and not state.failed(world.floor, before)
+        and not state.spent(world.floor, before)
         and float(thing.distance_m(np.array([before]))[0]) > FAR_M
         and context.pose.distance_m(*before) > STOOD_M
     ):
@@ -205,10 +217,10 @@ def _best_unseen(context: PlannerContext, world: World, goal: str, state: Episod
     """Chance over steps: of independent places to search, the order by that ratio finds the object soonest."""
     beliefs = Beliefs(world, goal)
     best: tuple[float, XY, Quest] | None = None
-    options = (*_beyond_portals(context, world, beliefs), *_edges(world, beliefs), *_storeys(context, world, beliefs))
+    options = (*_beyond_portals(context, world, beliefs), *_edges(context, world, beliefs), *_storeys(context, world, beliefs))
     for chance, steps, quest in options:
         needed = STAGE_STEPS + steps + STEPS_PER_M * way_length_m(context, quest.xy)
-        hope = chance * FAILED ** state.failed(quest.floor, quest.xy)
+        hope = chance * FAILED ** (state.failed(quest.floor, quest.xy) + state.spent(quest.floor, quest.xy))
         if needed > context.steps_left:
             hope *= TIGHT
         rank = (round(hope / needed, 9), quest.xy, quest)
@@ -230,8 +242,17 @@ def _stage_of(context: PlannerContext, quest: Quest, state: EpisodeState) -> Que
     return replace(quest, xy=(float(x), float(y)))
 
 
-def _looked(world: World, xy: XY) -> bool:
-    return any(floor == world.floor and math.dist(xy, seen) < LOOKED_M for floor, seen in world.visited)
+def _looked(context: PlannerContext, world: World, xy: XY) -> bool:
+    """Whether a look-around was made beside a place, with no wall between."""
+    return any(
+        floor == world.floor and math.dist(xy, seen) < LOOKED_M and not _wall_between(context, seen, xy)
+        for floor, seen in world.visited
+    )
+
+
+def _wall_between(context: PlannerContext, a: XY, b: XY) -> bool:
+    along = np.arange(0.0, 1.0, WALL_STEP_M / max(math.dist(a, b), WALL_STEP_M))[:, None]
+    return bool(context.space.is_obstacle(np.array(a) + along * (np.array(b) - np.array(a))).any())
 
 
 def _overlooked(context: PlannerContext, world: World, xy: XY) -> bool:
@@ -249,16 +270,20 @@ def _beyond_portals(context: PlannerContext, world: World, beliefs: Beliefs) -> 
         rooms = world.portal_rooms[portal.id]
         for side in (0, 1):
             near, far = rooms[side], rooms[1 - side]
+            around = near == far  # known floor leads around the threshold as well: little is hidden beyond
+            far = NOWHERE if around else far
             if not near or (far and (world.floor, far) in world.visited_rooms):
                 continue
             if far and (world.floor, near) not in world.visited_rooms:
                 continue
             xy = _inside(world, portal, 1 - side)
-            if _looked(world, xy) or _overlooked(context, world, xy):
+            if _looked(context, world, xy) or _overlooked(context, world, xy):
                 continue
             hope = beliefs.unseen(far) * beliefs.holds(far, near) + beliefs.leads_on(far, near)
             if portal.quality < PRECISE_QUALITY:
                 hope *= GUESSED
+            if around:
+                hope *= AROUND
             region = world.region(world.floor, far) if far else ""
             words = f"the {portal.category} leads to {region or 'an unseen place'}"
             yield hope, 0.0, Quest(xy, world.floor, False, region or f"{portal.category} beyond", words)
@@ -273,9 +298,9 @@ def _inside(world: World, portal: Portal, side: int) -> XY:
     return portal.beside(side, 0.7)
 
 
-def _edges(world: World, beliefs: Beliefs) -> Iterator[Option]:
+def _edges(context: PlannerContext, world: World, beliefs: Beliefs) -> Iterator[Option]:
     for frontier in world.frontiers:
-        if not math.isfinite(frontier.geodesic_m) or _looked(world, frontier.position_m):
+        if not math.isfinite(frontier.geodesic_m) or _looked(context, world, frontier.position_m):
             continue
         room = world.room_at(world.floor, frontier.position_m, 0.6)
         share = EDGE * min(frontier.width_m, 2.0) / 2.0

@@ -23,6 +23,7 @@ from spacevln.core import (
     Subtask,
     Task,
     Verdict,
+    View,
 )
 from spacevln.language import Clause, cue_kind, known_categories, norm, region_kind
 from spacevln.reasoning.rules.flights import STAIRS_ENTRY, Crossing
@@ -41,6 +42,8 @@ FAILURE_COST = 0.8
 OTHER_FLOOR_M = 6.0
 LEAST_AGREEMENT = 0.3  # of the clauses' weights, that a stop place must have while steps are left to look on
 SAME_ENTRY_M = 1.0
+OPEN_M = 4.0  # more open than this is as good
+BEEN_M, BEEN_COST_M = 0.7, 1.5  # where one has been there is less to find
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,6 +220,7 @@ class RulePlanner:
     def _object_goal(self, context: PlannerContext, world: World, name: str) -> Goal:
         final = Anchor("", SpaceKind.UNKNOWN, name, cue_kind(name))
         found = find_object(context, world, name, self._state)
+        self._state.sought = None if found is None else found.thing
         if found is None:
             return self._lost(context, world, final)
         if found.seen:
@@ -225,15 +229,20 @@ class RulePlanner:
         return Goal(found.xy, found.floor, anchor, (final,), False, found.reason)
 
     def _lost(self, context: PlannerContext, world: World, final: Anchor) -> Goal:
-        """Nothing fits: the most open direction."""
-        view = max(context.views, key=lambda v: (round(v.obstacle_m, 2), v.label))
-        pose = context.pose.turned(view.heading_rad)
-        reach = min(2.0, max(0.3, view.obstacle_m - 0.3))
-        xy = pose.compose(replace(pose, x_m=reach, y_m=0.0, z_m=0.0, yaw_rad=0.0))
+        """Nothing fits: the most open direction, but not where one has been."""
+
+        def ahead(view: View) -> XY:
+            reach = min(2.0, max(0.3, view.obstacle_m - 0.3))
+            yaw = context.pose.yaw_rad + view.heading_rad
+            return context.pose.x_m + reach * math.cos(yaw), context.pose.y_m + reach * math.sin(yaw)
+
+        def promise(view: View) -> float:
+            been = sum(1 for floor, xy in world.visited if floor == world.floor and math.dist(xy, ahead(view)) < BEEN_M)
+            return round(min(view.obstacle_m, OPEN_M) - BEEN_COST_M * been, 2)
+
+        xy = ahead(max(context.views, key=lambda view: (promise(view), view.label)))
         anchor = Anchor("open direction", SpaceKind.CONNECTOR)
-        return Goal(
-            (xy.x_m, xy.y_m), world.floor, anchor, (final,), False, "no hypothesis fits what is known", ("most_open_direction",)
-        )
+        return Goal(xy, world.floor, anchor, (final,), False, "no hypothesis fits what is known", ("most_open_direction",))
 
     def _reply(self, context: PlannerContext, world: World, here: Anchor, goal: Goal, reached: bool) -> PlannerReply:
         state = self._state

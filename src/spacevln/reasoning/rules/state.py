@@ -20,7 +20,11 @@ LEAST_GAIN_M = 0.6  # a stage that brings its target no nearer than this has fai
 
 @dataclass(slots=True)
 class EpisodeState:
-    """Grows with every planning boundary; with Hierarchical Spatial Memory off nothing is kept but the verified anchors."""
+    """Grows with every planning boundary; with Hierarchical Spatial Memory off nothing is kept but the verified anchors.
+
+    ``sought`` is the number of the thing that the last stage headed for; ``vain`` counts, by thing, the stages that stood before
+    it or came no nearer, and did not end the episode.
+    """
 
     sightings: Sightings = field(default_factory=Sightings)
     grids: dict[int, FloorGrid] = field(default_factory=dict)
@@ -36,6 +40,8 @@ class EpisodeState:
     failures: list[tuple[int, XY]] = field(default_factory=list)
     reached: list[tuple[int, XY]] = field(default_factory=list)
     crossing: Crossing | None = None
+    sought: int | None = None
+    vain: dict[int, int] = field(default_factory=dict)
 
     def floor_of(self, context: PlannerContext) -> int:
         """Current storey: of the memory, else from the height."""
@@ -100,6 +106,8 @@ class EpisodeState:
         near = aim_floor == floor and context.pose.distance_m(*aim) <= REACHED_M
         reached = near or (self.target_is_goal and context.feedback.end is StageEnd.ARRIVAL)
         nearer_m = self.target_way_m - way_length_m(context, aim) if aim_floor == floor else LEAST_GAIN_M
+        if self.sought is not None and (reached or nearer_m < LEAST_GAIN_M):
+            self.vain[self.sought] = self.vain.get(self.sought, 0) + 1
         if reached:
             self.reached.append(self.target)
         elif nearer_m < LEAST_GAIN_M:
