@@ -86,14 +86,51 @@ def _touches(rect: Rect, room: Room) -> bool:
 
 
 @houses.command()
-@SEED
-@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), default=None, help=".glb file.")
-def export(seed: int, out: Path | None) -> None:
-    """Write the furnished house as a glTF file (.glb)."""
+@click.option("--seed", type=click.IntRange(0, 999_999), default=None, help="Which house.  [default: 9]")
+@click.option("--format", "form", type=click.Choice(["glb", "habitat"]), default="glb", show_default=True)
+@click.option(
+    "--suite",
+    "suites",
+    type=click.Choice(["houses-vln", "houses-objectnav"]),
+    multiple=True,
+    help="Its houses, with its episodes.",
+)
+@click.option("--split", type=click.Choice(["test", "dev"]), default="test", show_default=True, help="Of the suite.")
+@click.option("--houses", "count", type=click.IntRange(min=1), default=None, help="Only the suite's first so many houses.")
+@click.option("--out", type=click.Path(path_type=Path), default=None, help="The .glb file, or for habitat the folder.")
+def export(seed: int | None, form: str, suites: tuple[str, ...], split: str, count: int | None, out: Path | None) -> None:
+    """Write furnished houses for other programs.
+
+    As one glTF file (.glb), or with all that Habitat-Sim wants: semantic annotations, configurations, and a suite's episodes.
+    """
     from spacevln.environments.houses.export import export_glb
+    from spacevln.environments.houses.habitat_export import export_for_habitat
     from spacevln.environments.houses.house import build_house
 
-    click.echo(export_glb(build_house(seed), out or Path(f"house-{seed:06d}.glb")))
+    if suites and (form != "habitat" or seed is not None):
+        raise click.UsageError("--suite belongs to --format habitat and names the houses itself: leave --seed out.")
+    first = 9 if seed is None else seed
+    if form == "glb":
+        click.echo(export_glb(build_house(first), out or Path(f"house-{first:06d}.glb")))
+        return
+    folder = out or Path("habitat-houses")
+    files = [_write_suite(name, split, count, folder) for name in suites]
+    seeds = sorted({each for file in files for each in _houses_of(file)}) if files else [first]
+    for each in seeds:
+        click.echo(export_for_habitat(build_house(each), folder / "scenes"))
+    for file in files:
+        click.echo(file)
+
+
+def _houses_of(suite: Path) -> list[int]:
+    """Seeds of the houses that a suite's file names."""
+    import gzip
+    import json
+
+    from spacevln.environments.houses.house import parse_scene_name
+
+    episodes = json.loads(gzip.decompress(suite.read_bytes()))["episodes"]
+    return [parse_scene_name(Path(each["scene_id"]).stem) for each in episodes]
 
 
 @houses.command()
@@ -105,6 +142,10 @@ def export(seed: int, out: Path | None) -> None:
 )
 def suite(name: str, split: str, count: int | None, out: Path) -> None:
     """Write a stored suite in the file format of R2R-CE or HM3D-OVON; `bench --data FILE` runs it."""
+    click.echo(_write_suite(name, split, count, out))
+
+
+def _write_suite(name: str, split: str, count: int | None, folder: Path) -> Path:
     from dataclasses import replace
 
     from rich.progress import Progress
@@ -114,5 +155,4 @@ def suite(name: str, split: str, count: int | None, out: Path) -> None:
     plan = PLANS[split] if count is None else replace(PLANS[split], houses=count)
     with Progress(transient=True) as bar:
         task = bar.add_task("houses", total=plan.houses)
-        path = write_suite(name, split, out, plan, lambda done: bar.update(task, completed=done))
-    click.echo(path)
+        return write_suite(name, split, folder, plan, lambda done: bar.update(task, completed=done))

@@ -160,4 +160,10 @@ class HabitatEnvironment:
         named = {int(each) for each in np.unique(ids)} - {0}
         named = {each for each in named if names.get(each, "").lower() not in _STRUCTURE}
         kept = np.where(np.isin(ids, sorted(named)), ids, np.int32(0))
-        return Labels(kept, {each: InstanceLabel(names[each].lower()) for each in sorted(named)})
+        return Labels(kept, {each: _label(names[each]) for each in sorted(named)})
+
+
+def _label(name: str) -> InstanceLabel:
+    """What an annotation calls a thing; exported houses put its attributes in brackets behind, "sofa (white leather)"."""
+    category, _, attributes = name.lower().rstrip(")").partition(" (")
+    return InstanceLabel(category, tuple(attributes.split()))

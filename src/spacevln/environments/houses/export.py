@@ -32,7 +32,7 @@ def export_glb(house: House, path: Path) -> Path:
         PrerequisiteError: the extra ``export`` is not installed.
         UsageError: the file cannot be written.
     """
-    trimesh = _trimesh()
+    trimesh = load_trimesh()
     scene = trimesh.Scene()
     names = {item.id: item.category for item in house.items}
     names |= {opening.id: opening.kind for opening in house.openings}
@@ -49,7 +49,7 @@ def export_glb(house: House, path: Path) -> Path:
             process=False,
         )
         label = f"{piece.instance} {names.get(piece.instance, 'structure')} {index}"
-        scene.add_geometry(mesh, node_name=label, geom_name=label, transform=GLTF_FROM_SCENE @ _placed(piece))
+        scene.add_geometry(mesh, node_name=label, geom_name=label, transform=GLTF_FROM_SCENE @ placed(piece))
     try:
         path.write_bytes(scene.export(file_type="glb"))
     except OSError as error:
@@ -57,7 +57,8 @@ def export_glb(house: House, path: Path) -> Path:
     return path
 
 
-def _placed(piece: Piece) -> NDArray[np.float64]:
+def placed(piece: Piece) -> NDArray[np.float64]:
+    """T_scene_piece (4, 4)."""
     c, s = math.cos(piece.yaw_rad), math.sin(piece.yaw_rad)
     x, y, z = piece.position_m
     return np.array([[c, -s, 0, x], [s, c, 0, y], [0, 0, 1, z], [0, 0, 0, 1.0]])
@@ -73,7 +74,12 @@ def _material(trimesh: Any, stuff: Material) -> Any:
     )
 
 
-def _trimesh() -> Any:
+def load_trimesh() -> Any:
+    """The library that writes glTF.
+
+    Raises:
+        PrerequisiteError: it is not installed.
+    """
     try:
         return importlib.import_module("trimesh")
     except ImportError as error:
