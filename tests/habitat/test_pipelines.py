@@ -40,10 +40,15 @@ def spacevln(*words: str) -> str:
     return done.stdout
 
 
+def place(tmp_path: Path) -> list[str]:
+    """Options that say where Habitat-Sim is."""
+    folder = str(scenes(tmp_path / "scenes"))
+    return ["--habitat-python", interpreter("current"), "--scenes", folder, "--gpu-device", "-1"]
+
+
 def run(suite: str, data: Path, tmp_path: Path, *more: str) -> dict[str, Any]:
     out = tmp_path / f"out-{suite}"
-    place = ["--habitat-python", interpreter("current"), "--scenes", str(scenes(tmp_path / "scenes")), "--gpu-device", "-1"]
-    spacevln("bench", suite, "--data", str(data), *place, "--out", str(out), *more)
+    spacevln("bench", suite, "--data", str(data), *place(tmp_path), "--out", str(out), *more)
     assert "SR" in spacevln("table", str(out))
     found: dict[str, Any] = json.loads((out / "summary.json").read_text())
     return found
@@ -68,6 +73,27 @@ def test_the_reference_follower_reaches_every_goal_of_r2r_ce(tmp_path: Path) -> 
     first = json.loads((tmp_path / "out-r2r-ce" / "episodes" / "1" / "result.json").read_text())
     recorded = RECORDS["traces"]["034"]["d01/r010/slide"]["metrics"]["start_distance"]
     assert first["truth"]["geodesic_m"] == pytest.approx(recorded, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_the_recorded_paths_lead_to_every_goal_and_one_episode_runs_by_itself(tmp_path: Path) -> None:
+    found = run("r2r-ce", DATA, tmp_path, "--driver", "reference", "--episodes", "4")
+    assert found["metrics"]["SR"] == 100
+    assert found["metrics"]["nDTW"] > 80
+    one = ["--suite", "r2r-ce", "--data", str(DATA), "--id", "3", "--steps", "30", "--out", str(tmp_path / "one")]
+    said = spacevln("run", *one, *place(tmp_path))
+    assert "from the goal" in said
+    assert (tmp_path / "one" / "episodes" / "3" / "topdown.png").exists()
+
+
+@pytest.mark.slow
+def test_doctor_looks_into_a_building(tmp_path: Path) -> None:
+    said = spacevln("doctor", *place(tmp_path), "--data", str(DATA))
+    assert "Habitat-Sim 0.3.3 answers" in said
+    assert "12 episodes of r2r-ce" in said
+    assert "navigation mesh of 59 m2, computed" in said
+    assert "a frame of 640x480 pixels" in said
+    assert "the way to the goal is 8.6" in said
 
 
 @pytest.mark.slow

@@ -172,7 +172,8 @@ class Configuration(_Settings):
     """Configuration of a run.
 
     Args:
-        driver: ``agent``, or a baseline: ``random``, ``forward``, ``frontier``, ``oracle`` (the shortest path, by ground truth).
+        driver: ``agent``, or a baseline: ``random``, ``forward``, ``frontier``, ``oracle`` (the shortest path, by ground truth),
+            ``reference`` (a dataset's own path).
         environment: where it drives.
         detector: what grounds landmarks.
         components: which parts of the agent are on.
@@ -183,7 +184,7 @@ class Configuration(_Settings):
         step_budget: environment steps per episode, STOP included; None takes the task's (260 instructions, 280 object goals).
     """
 
-    driver: Literal["agent", "random", "forward", "frontier", "oracle"] = "agent"
+    driver: Literal["agent", "random", "forward", "frontier", "oracle", "reference"] = "agent"
     environment: HousesSettings | HabitatSettings = HousesSettings()
     detector: LabelDetectorSettings = LabelDetectorSettings()
     components: ComponentSettings = ComponentSettings()

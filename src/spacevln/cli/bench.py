@@ -48,7 +48,7 @@ def run_options(command: Any) -> Any:
 @data_options
 @click.option(
     "--driver",
-    type=click.Choice(["agent", "random", "forward", "frontier", "oracle"]),
+    type=click.Choice(["agent", "random", "forward", "frontier", "oracle", "reference"]),
     default="agent",
     show_default=True,
     help="The agent, or a baseline.",

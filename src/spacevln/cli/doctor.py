@@ -17,6 +17,7 @@ from spacevln import __version__
 from spacevln.cli.doctor_habitat import habitat_findings
 from spacevln.cli.doctor_models import keys, model_findings
 from spacevln.cli.findings import Finding
+from spacevln.cli.habitat_options import habitat_options
 from spacevln.cli.model_options import choice_options
 from spacevln.core import PrerequisiteError, UsageError
 
@@ -31,14 +32,17 @@ EXTRAS = (
 
 @click.command()
 @choice_options
-@click.option("--habitat-python", metavar="PATH|conda:NAME", default=None, help="Ask the worker of Habitat-Sim in this Python.")
-def doctor(habitat_python: str | None, **options: Any) -> int:
+@habitat_options
+@click.option("--suite", type=click.Choice(["r2r-ce", "rxr-ce", "hm3d-ovon"]), default="r2r-ce", help="Of --data.")
+@click.option("--data", type=click.Path(path_type=Path), default=None, help="A benchmark's episodes, to look into a building.")
+def doctor(suite: str, data: Path | None, **options: Any) -> int:
     """Say what is installed, reachable and missing, and the command that mends it.
 
-    With --model, the model is asked one small question with a picture.
+    With --model, the model is asked one small question with a picture. With --habitat-python, Habitat-Sim opens an embedded
+    house, or with --scenes and --data a benchmark's building.
     """
     findings = [*_python(), *_packages(), *_renderer(), *_storage(), *_extras(), *keys(), *model_findings(options)]
-    findings += [] if habitat_python is None else habitat_findings(habitat_python)
+    findings += [] if options["habitat_python"] is None else habitat_findings(options, suite, data)
     marks = {"ok": click.style("ok     ", fg="green"), "note": click.style("note   ", fg="yellow")}
     missing = click.style("missing", fg="red")
     for finding in findings:

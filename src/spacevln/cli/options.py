@@ -43,7 +43,7 @@ def agent_options(command: F) -> F:
     return command
 
 
-Driver = Literal["agent", "random", "forward", "frontier", "oracle"]
+Driver = Literal["agent", "random", "forward", "frontier", "oracle", "reference"]
 Reasoner = Literal["rules", "vlm"]
 
 

@@ -1,4 +1,4 @@
-"""``spacevln run``: one episode in an embedded house, with a live display."""
+"""``spacevln run``: one episode, in an embedded house or in Habitat-Sim, with a live display."""
 
 from __future__ import annotations
 
@@ -7,12 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacevln.cli.bench import placed
 from spacevln.cli.costs import usage_line
+from spacevln.cli.habitat_options import habitat_options
 from spacevln.cli.model_options import access_from
 from spacevln.cli.options import agent_options, configuration_from
 
 if TYPE_CHECKING:
+    from spacevln.evaluation.datasets import Selection
     from spacevln.recording import ResultFile
+
+HABITAT_SUITES = ("r2r-ce", "rxr-ce", "hm3d-ovon")
 
 MAX_INSTRUCTION_CHARS = 4000
 
@@ -30,6 +35,11 @@ MAX_INSTRUCTION_CHARS = 4000
     default=None,
     help="Begin with the memory.npz that an episode in this house left; the result says so.",
 )
+@click.option("--suite", type=click.Choice(HABITAT_SUITES), default=None, help="An episode of a benchmark, in Habitat-Sim.")
+@click.option("--data", type=click.Path(path_type=Path), default=None, help="Folder or file of the benchmark's episodes.")
+@click.option("--split", default=None, help="Of the benchmark.")
+@click.option("--id", "episode_id", default=None, help="Which of its episodes; else the first.")
+@habitat_options
 @agent_options
 def run(
     task: str, seed: int, instruction: str | None, goal: str | None, memory: Path | None, out: Path | None, **options: Any
@@ -39,6 +49,7 @@ def run(
     Ends with one line of truth, the record's path, a picture from above, and pages that show every decision.
     """
     _check(task, instruction, goal)
+    selection = _benchmark(options, given=_seed_is_given() or instruction is not None or goal is not None)
     from spacevln.assembly import KnownBuilding
     from spacevln.cli.output import describe_run, prepare
     from spacevln.cli.progress import EpisodeProgress
@@ -50,13 +61,16 @@ def run(
     from spacevln.viewer import write_site
 
     configuration = configuration_from(options)
+    if selection is not None:
+        configuration = placed(configuration, selection, options)
     if memory is not None:
         configuration = configuration.model_copy(update={"memory": KnownBuilding.of(memory)})
     directory = prepare(out)
-    claim_directory(directory, describe_run(f"run {task} {seed} {instruction or goal or ''}".strip(), configuration))
+    name = selection.name if selection else f"{task} {seed} {instruction or goal or ''}".strip()
+    claim_directory(directory, describe_run(f"run {name}", configuration))
     with EpisodeProgress() as progress:
-        progress.say("building the house")
-        episode = pick_episode(task, seed, instruction=instruction, goal=goal)
+        progress.say("reading the episodes" if selection else "building the house")
+        episode = selection.load()[0] if selection else pick_episode(task, seed, instruction=instruction, goal=goal)
         folder = episode_directory(directory, episode.episode_id)
         result = finished(directory, episode.episode_id)
         if result is None:
@@ -72,6 +86,32 @@ def run(
         click.echo(f"picture  {folder / 'topdown.png'}")
     click.echo(f"pages    {write_site(directory)}")
     return exit_code(result)
+
+
+def _benchmark(options: dict[str, Any], *, given: bool) -> Selection | None:
+    """The benchmark's episode that is asked for, if any; its options are taken out.
+
+    Args:
+        options: of the command.
+        given: whether an embedded house's seed, instruction or goal was named too.
+    """
+    from spacevln.evaluation.datasets import Filters, Selection
+
+    suite, data, split, episode_id = (options.pop(name) for name in ("suite", "data", "split", "episode_id"))
+    if suite is None:
+        if any(value is not None for value in (data, split, episode_id, options["habitat_python"], options["scenes"])):
+            raise click.UsageError(f"Habitat-Sim runs episodes of benchmarks: add --suite, one of {', '.join(HABITAT_SUITES)}.")
+        return None
+    if given:
+        raise click.UsageError("--seed, --instruction and --goal are of embedded houses: leave them out, or leave --suite out.")
+    filters = Filters.of({} if episode_id is None else {"ids": (episode_id,)})
+    return Selection(suite=suite, path=data, split=split, filters=filters, episodes=1)
+
+
+def _seed_is_given() -> bool:
+    """Whether the user named a house."""
+    source = click.get_current_context().get_parameter_source("seed")
+    return source is not None and source.name != "DEFAULT"
 
 
 def _check(task: str, instruction: str | None, goal: str | None) -> None:

@@ -24,7 +24,7 @@ from spacevln.core import (
     UsageError,
 )
 from spacevln.evaluation import resources
-from spacevln.evaluation.baselines import BLIND_M, ForwardWalker, OracleWalker, RandomWalker, Walker, walk
+from spacevln.evaluation.baselines import BLIND_M, ForwardWalker, OracleWalker, RandomWalker, ReferenceWalker, Walker, walk
 from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.frontier import FrontierWalker
 from spacevln.evaluation.score import environment_failure, score
@@ -165,6 +165,10 @@ class Session(AbstractContextManager["Session"]):
                 if episode.truth is None:
                     raise UsageError(f"{episode.episode_id!r} has no truth that an oracle could follow: use a suite's episode.")
                 walker = OracleWalker(episode.truth, episode.start)
+            case "reference":
+                if not isinstance(episode.truth, MeasuredTruth):
+                    raise UsageError(f"{episode.episode_id!r} has no recorded path to walk: use an episode of R2R-CE or RxR-CE.")
+                walker = ReferenceWalker(episode.truth, episode.start)
         walk(walker, episode, self._environment, sinks, self._configuration.step_budget)
         return None
 

@@ -29,8 +29,10 @@ from spacevln.core import (
     StopReason,
     TurnLeft,
     TurnRight,
+    UsageError,
 )
 from spacevln.evaluation.episode import Episode, GroundTruth
+from spacevln.evaluation.truth import MeasuredTruth
 
 BLIND_FORWARDS = 37
 """Forward moves after which a blind walker stops: 9.25 m, the mean length of a route."""
@@ -39,6 +41,10 @@ BLIND_M = BLIND_FORWARDS * 0.25
 
 FORWARD_SHARE = 0.68
 """Share of forward moves of the random walker, that of VLN-CE's ground-truth actions."""
+
+
+PLACE_M = 0.5
+"""How near a place of a reference path has to be passed: two steps, so that coarse turns do not make one circle it."""
 
 
 class Walker(Protocol):
@@ -88,6 +94,35 @@ class OracleWalker:
     def next(self, observation: Observation) -> Action:
         """Follow the shortest path."""
         return self._truth.follow(self._start.compose(observation.pose))
+
+
+class ReferenceWalker:
+    """Walks a dataset's own path place by place: what its annotators' or its authors' agent did, at any size of step and turn.
+
+    Args:
+        truth: with a reference path, VLN-CE's ``_gt`` locations where they are there.
+        start: pose in the scene frame.
+
+    Raises:
+        UsageError: there is no such path.
+    """
+
+    def __init__(self, truth: MeasuredTruth, start: Pose) -> None:
+        if truth.reference_path is None:
+            raise UsageError("The episode has no reference path: keep the dataset's _gt file beside it, or take --driver oracle.")
+        self._truth, self._start = truth, start
+        self._left = [np.asarray(place) for place in truth.reference_path[::-1]]
+
+    def next(self, observation: Observation) -> Action:
+        """Go on to the first place that is not yet near."""
+        pose = self._start.compose(observation.pose)
+        while len(self._left) > 1 and np.linalg.norm(self._left[-1] - pose.position_m) < PLACE_M:
+            self._left.pop()
+        action = self._truth.towards(pose, self._left[-1])
+        while isinstance(action, Stop) and len(self._left) > 1:  # nothing leads nearer to this one
+            self._left.pop()
+            action = self._truth.towards(pose, self._left[-1])
+        return action
 
 
 def walk(

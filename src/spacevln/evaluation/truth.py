@@ -75,6 +75,10 @@ class MeasuredTruth:
         """The shortest-path follower's primitive."""
         return self._geodesics.follow(pose, self._annotations.targets)
 
+    def towards(self, pose: Pose, place: Points) -> Action:
+        """The follower's primitive on the way to any place (3,); STOP there, or where nothing leads nearer."""
+        return self._geodesics.follow(pose, place[None])
+
 
 @runtime_checkable
 class Surveyed(Protocol):

@@ -15,6 +15,8 @@ from spacevln.evaluation.tables.published import PublishedRow, PublishedTable, p
 from spacevln.evaluation.tables.shapes import HEADERS, SHAPES, TITLES, Shape
 
 OVERALL = "Overall"
+KNOWING = ("oracle", "reference")
+"""Drivers that read the truth; they compete with nobody."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +147,7 @@ def _row(label: str, runs: Sequence[Run], form: Shape) -> Row:
                 cells[block, metric] = _cell(part, metric, counted=form.by_area and metric == "SR")
     first = runs[0]
     flags = {flag: _flag(first, flag) for flag in form.flags}
-    return Row(label, "This repository", flags, cells, own=first.driver == "agent", ranked=first.driver != "oracle")
+    return Row(label, "This repository", flags, cells, own=first.driver == "agent", ranked=first.driver not in KNOWING)
 
 
 def _blocks(run: Run, form: Shape) -> Iterable[tuple[str, Run]]:
