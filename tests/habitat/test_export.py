@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from spacevln.cli.houses import houses
 from spacevln.core.geometry import Float
-from spacevln.environments.habitat.environment import _label
+from spacevln.environments.habitat.labels import label_of
 from spacevln.environments.houses.export import placed
 from spacevln.environments.houses.habitat_export import export_for_habitat, semantic_colour
 from spacevln.environments.houses.house import build_house
@@ -88,7 +88,7 @@ def test_annotations_and_configurations_say_how_to_read_it(exported: Path) -> No
     for line in lines:
         number, colour, name, _ = line.split(",")
         assert tuple(bytes.fromhex(colour)) == semantic_colour(int(number))
-        assert _label(name.strip('"')) == labels[int(number)]
+        assert label_of(name.strip('"')) == labels[int(number)]
     stage = json.loads((home / f"{exported.stem}.stage_config.json").read_text())
     assert all((home / stage[key]).exists() for key in ("render_asset", "semantic_asset", "semantic_descriptor_filename"))
     assert stage["up"] == [0, 1, 0]

@@ -65,8 +65,11 @@ def _benchmark(options: dict[str, Any], suite: str, data: Path) -> Iterator[Find
         yield Finding("missing", str(error), "docs/benchmarks/ says where to get the data of each benchmark")
         return
     absent = len(episodes) - len(here)
-    state = "note" if absent else "ok"
-    yield Finding(state, f"buildings of {len(here)} episodes are in {options['scenes']}, of {absent} they are not")
+    scenes = options["scenes"]
+    if absent:
+        yield Finding("note", f"buildings of {len(here)} episodes are in {scenes}, of {absent} they are not")
+    else:
+        yield Finding("ok", f"the buildings of all are in {scenes}")
     first = here[0]
     targets = None if first.annotations is None else first.annotations.targets
     known_m = None if first.annotations is None else first.annotations.geodesic_m

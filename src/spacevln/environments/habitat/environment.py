@@ -6,7 +6,6 @@ import math
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 from spacevln_bridge import messages as say
 from spacevln_bridge.images import views
 
@@ -14,18 +13,16 @@ from spacevln.core.actions import Action, Motion, MoveForward, Stop, TurnLeft, T
 from spacevln.core.errors import ContractError, EnvironmentFailure
 from spacevln.core.geometry import Pose, wrap_angle
 from spacevln.core.interfaces import EnvironmentSpec
-from spacevln.core.sensing import InstanceLabel, Labels, Observation
+from spacevln.core.sensing import Observation
 from spacevln.core.task import EpisodeSpec
 from spacevln.environments.habitat.frame import camera_from_habitat, pose_from_habitat, pose_to_habitat
 from spacevln.environments.habitat.geodesics import SceneGeodesics
+from spacevln.environments.habitat.labels import SceneLabels
 from spacevln.environments.habitat.process import ANSWER_S, OPEN_S
 from spacevln.environments.habitat.setup import HabitatSetup
 from spacevln.environments.habitat.simulator import HabitatSimulator
 
 _TOLERANCE = 1e-6
-_STRUCTURE = frozenset({"", "unknown", "void", "wall", "ceiling", "floor", "misc", "objects", "structure"})
-"""Categories that name nothing one could go to."""
-
 Quaternion = tuple[float, float, float, float]
 
 
@@ -45,6 +42,7 @@ class HabitatEnvironment:
         self._view: say.View | None = None
         self._start = Pose(0.0, 0.0)
         self._observation: Observation | None = None
+        self._labels: SceneLabels | None = None
         self._stopped = False
 
     @property
@@ -72,7 +70,8 @@ class HabitatEnvironment:
         """
         self._view, self._observation, self._stopped = None, None, False
         self._simulator.check()
-        self._simulator.open(episode.scene)
+        opened = self._simulator.open(episode.scene)
+        self._labels = SceneLabels(opened.categories) if self._setup.labels else None
         self._start = episode.start
         position, rotation = pose_to_habitat(episode.start)
         self._see(self._simulator.ask(say.Place(tuple(position), tuple(rotation)), say.View))
@@ -84,15 +83,17 @@ class HabitatEnvironment:
         if self._observation is None:
             setup = self._setup
             rgb, depth_m, ids = views(self._simulator.image, setup.width_px, setup.height_px)
+            depth_m = depth_m.copy()
             measured = (depth_m >= setup.depth_min_m) & (depth_m <= setup.depth_max_m)  # not so for NaN
+            np.copyto(depth_m, 0.0, where=~measured)
             T_scene_camera = camera_from_habitat(view.camera_position, cast("Quaternion", view.camera_rotation))
             self._observation = Observation(
                 rgb=rgb.copy(),
-                depth_m=np.where(measured, depth_m, np.float32(0)),
+                depth_m=depth_m,
                 pose=self._pose(view).relative_to(self._start),
                 camera=self._spec.camera,
                 T_world_camera=np.linalg.inv(self._start.T_world_body) @ T_scene_camera,
-                labels=self._labels(ids) if setup.labels else None,
+                labels=None if self._labels is None else self._labels.of(ids),
             )
         return self._observation
 
@@ -153,17 +154,3 @@ class HabitatEnvironment:
     @staticmethod
     def _pose(view: say.View) -> Pose:
         return pose_from_habitat(view.position, cast("Quaternion", view.rotation))
-
-    def _labels(self, ids: NDArray[np.int32]) -> Labels:
-        opened = self._simulator.opened
-        names = {} if opened is None else opened.categories
-        named = {int(each) for each in np.unique(ids)} - {0}
-        named = {each for each in named if names.get(each, "").lower() not in _STRUCTURE}
-        kept = np.where(np.isin(ids, sorted(named)), ids, np.int32(0))
-        return Labels(kept, {each: _label(names[each]) for each in sorted(named)})
-
-
-def _label(name: str) -> InstanceLabel:
-    """What an annotation calls a thing; exported houses put its attributes in brackets behind, "sofa (white leather)"."""
-    category, _, attributes = name.lower().rstrip(")").partition(" (")
-    return InstanceLabel(category, tuple(attributes.split()))

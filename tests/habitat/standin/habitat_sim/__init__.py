@@ -1,7 +1,7 @@
 """A stand-in for habitat_sim with the house and the habits that were recorded from the real one (../../data/README.md).
 
 HABITAT_STANDIN chooses the version, "0.2.2" or "0.3.4"; they differ where the records differ: types of vectors, when a navigation mesh is
-made, moves without sliding. Attributes that the real classes do not have are refused, as theirs are. HABITAT_STANDIN_FAULT makes it misbehave, HABITAT_STANDIN_COARSE
+made, moves without sliding. Attributes that the real classes do not have are refused, as theirs are. HABITAT_STANDIN_FAULT makes it misbehave or draw nothing, HABITAT_STANDIN_COARSE
 draws only every so many pixels, for tests that look at nothing fine.
 """
 
@@ -371,6 +371,10 @@ class Simulator:
         first = sensors[0]
         height, width = first.resolution
         eye = np.asarray(state.sensor_states[first.uuid].position, np.float64)
+        if FAULT == "blank":
+            blank = {"color": (4, np.uint8), "depth": (1, np.float32), "semantic": (1, np.uint32)}
+            shapes = {kind: ((height, width, n) if n > 1 else (height, width), dtype) for kind, (n, dtype) in blank.items()}
+            return {s.uuid: np.ones(*shapes[s.sensor_type]) for s in sensors}
         drawn = draw(HOUSE, eye, state.rotation.matrix(), width // COARSE, height // COARSE, first.hfov)
         images = dict(zip(("color", "depth", "semantic"), (each.repeat(COARSE, 0).repeat(COARSE, 1) for each in drawn)))
         return {sensor.uuid: images[sensor.sensor_type] for sensor in sensors}
