@@ -30,6 +30,26 @@ def test_two_sightings_of_one_thing_are_one_candidate() -> None:
     assert 13.5 < candidate.position_m[0] < 13.6  # nearer to the confident one
 
 
+@pytest.mark.parametrize(
+    ("category", "away", "higher", "one"),
+    [
+        ("painting", 0.0, 0.7, True),  # the image cut it at another height
+        ("painting", 0.55, 0.0, True),
+        ("painting", 0.55, 0.7, False),  # near across and near in height, but not in space
+        ("painting", 0.0, 1.2, False),
+        ("doorway", 0.55, 0.9, True),  # from floor to lintel
+        ("doorway", 0.0, 2.6, False),  # of the storey above
+        ("sofa", 0.8, 0.5, True),  # as wide as it is
+    ],
+)
+def test_fusion_is_in_three_dimensions(category: str, away: float, higher: float, one: bool) -> None:
+    extent = 1.6 if category == "sofa" else 0.0
+    first = thing(category, 13.0, 2.0, extent_m=extent)
+    second = thing(category, 13.0, 2.0 + away, extent_m=extent, position_m=(13.0, 2.0 + away, 0.5 + higher))
+    memory = seen(category, (LIVING, [first]), (LIVING, [second]))
+    assert len(memory.candidates) == (1 if one else 2)
+
+
 def test_two_things_in_one_image_stay_two_and_duplicates_are_dropped() -> None:
     near = [thing("chair", 12, 2.0), thing("chair", 12, 2.4, box_px=(60, 0, 110, 90))]
     assert len(seen("chair", (LIVING, near)).candidates) == 2

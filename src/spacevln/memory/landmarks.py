@@ -18,6 +18,7 @@ from spacevln.perception.matching import fit
 TOP_K = 2  # [authors' code]
 FUSION_DISTANCE_M = 0.6  # [authors' code]
 FUSION_EXTENT_SHARE = 0.25  # a large thing seen from elsewhere shows another centre [ours]
+FUSION_HEIGHT_M = 1.0  # the image cuts a thing in height more than in width: table legs from nearby, the top from afar [ours]
 MIN_CONFIDENCE = 0.25  # [authors' code: box threshold]
 MIN_PIXELS = 12  # with depth; smaller masks are noise [ours; the authors' code has no real filter]
 DUPLICATE_IOU = 0.65  # [authors' code]
@@ -111,11 +112,9 @@ class LocalLandmarkMemory:
         pairs = []
         for s, (sighting, _) in enumerate(sightings):
             for instance in self._instances:
-                gate = FUSION_DISTANCE_M + FUSION_EXTENT_SHARE * max(instance.extent_m, sighting.extent_m)
-                apart = math.dist(sighting.position_m[:2], instance.position[:2])
-                level = abs(sighting.position_m[2] - instance.position[2]) <= FLOOR_CHANGE_M
+                apart = self._apart(sighting, instance)
                 compatible = fit(instance.category, sighting.category) or fit(sighting.category, instance.category)
-                if apart <= gate and level and compatible:
+                if apart <= 1 and compatible:
                     pairs.append((apart, s, instance.number))
         free_sightings, free_instances = set(range(len(sightings))), {instance.number for instance in self._instances}
         for _, s, number in sorted(pairs):
@@ -126,6 +125,19 @@ class LocalLandmarkMemory:
                 self._instances[number].seen_from = pose
         for s in sorted(free_sightings):
             self._instances.append(self._born(*sightings[s], pose))
+
+    def _apart(self, sighting: Sighting, instance: _Instance) -> float:
+        """Distance in three dimensions, 1 on the ellipsoid within which two places are one thing.
+
+        A way through reaches from floor to lintel, and the image decides at which height it is seen: of openings, only what
+        lies on another storey is apart in height.
+        """
+        gate_m = FUSION_DISTANCE_M + FUSION_EXTENT_SHARE * max(instance.extent_m, sighting.extent_m)
+        across = math.dist(sighting.position_m[:2], instance.position[:2]) / gate_m
+        upward = abs(sighting.position_m[2] - instance.position[2]) / FUSION_HEIGHT_M
+        if self.kind is CueKind.OPENING:
+            return across if upward <= 1 else math.inf
+        return math.hypot(across, upward)
 
     def _born(self, sighting: Sighting, confidence: float, pose: Pose) -> _Instance:
         instance = _Instance(
