@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from drawn_house import door, house, thing
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spacevln.core import CueKind, Pose
@@ -157,6 +157,7 @@ def test_an_opening_is_where_its_best_view_says() -> None:
     assert memory.arrived
 
 
+@settings(deadline=None)
 @given(
     category=st.sampled_from(["bed", "sofa", "chair", "stairs", "doorway", "lamp", "white table", "zorblax", ""]),
     landmark=st.sampled_from(["refrigerator", "toilet", "piano", "blue globe", "frobnicator", ""]),
@@ -173,6 +174,7 @@ def test_an_unrelated_thing_is_never_arrived_at(
     assert memory.candidates == ()
 
 
+@settings(deadline=None)
 @given(st.permutations(range(5)), st.integers(0, 3))
 def test_the_order_of_sightings_in_an_image_does_not_matter(order: list[int], seed: int) -> None:
     rng = np.random.default_rng(seed)
