@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import cast
 
+import cv2
 import numpy as np
 from spacevln_bridge import messages as say
 from spacevln_bridge.images import views
@@ -83,13 +84,11 @@ class HabitatEnvironment:
         if self._observation is None:
             setup = self._setup
             rgb, depth_m, ids = views(self._simulator.image, setup.width_px, setup.height_px)
-            depth_m = depth_m.copy()
-            measured = (depth_m >= setup.depth_min_m) & (depth_m <= setup.depth_max_m)  # not so for NaN
-            np.copyto(depth_m, 0.0, where=~measured)
+            measured = cv2.inRange(depth_m, setup.depth_min_m, setup.depth_max_m)  # not so for NaN
             T_scene_camera = camera_from_habitat(view.camera_position, cast("Quaternion", view.camera_rotation))
             self._observation = Observation(
                 rgb=rgb.copy(),
-                depth_m=depth_m,
+                depth_m=cv2.copyTo(depth_m, measured, np.zeros_like(depth_m)),
                 pose=self._pose(view).relative_to(self._start),
                 camera=self._spec.camera,
                 T_world_camera=np.linalg.inv(self._start.T_world_body) @ T_scene_camera,

@@ -27,7 +27,18 @@ COARSE = int(os.environ.get("HABITAT_STANDIN_COARSE", "1"))
 DATA = Path(__file__).resolve().parents[2] / "data"
 RECORDS = json.loads(gzip.decompress((DATA / "records.json.gz").read_bytes()).decode())
 HOUSE = dict(np.load(str(DATA / "house.npz")))
-MESHES = {name: Mesh(each["vertices"], each["triangles"]) for name, each in RECORDS["meshes"].items()}
+
+
+class _Meshes(dict):
+    """Navigation meshes by name, made when they are first asked for."""
+
+    def __missing__(self, name):
+        each = RECORDS["meshes"][name]
+        self[name] = Mesh(each["vertices"], each["triangles"])
+        return self[name]
+
+
+MESHES = _Meshes()
 _LIVING = []
 
 
@@ -46,7 +57,14 @@ def _moves():
     return found
 
 
-HALTS = _moves()
+_HALTS = {}
+
+
+def halts():
+    """Those moves, read when they are first asked for."""
+    if not _HALTS:
+        _HALTS.update(_moves())
+    return _HALTS
 
 
 def take(value):
@@ -263,7 +281,7 @@ class PathFinder:
     def try_step_no_sliding(self, start, end):
         begin, wanted = take(start), take(end)
         yaw = math.atan2(-(wanted - begin)[0], -(wanted - begin)[2])
-        known = HALTS.get((self.name, *_key(begin, yaw)))
+        known = halts().get((self.name, *_key(begin, yaw)))
         return give(known if known is not None else self._mesh().halt(begin, wanted))
 
     def find_path(self, query):
