@@ -37,10 +37,10 @@ def habitat_findings(options: dict[str, Any], suite: str, data: Path | None) -> 
     if importlib.util.find_spec("spacevln_bridge") is None or importlib.util.find_spec("msgpack") is None:
         yield Finding("missing", "the bridge to Habitat-Sim", "pip install 'spacevln[habitat]'")
         return
-    from spacevln.environments.habitat.process import Worker
+    from spacevln.environments.habitat.remote import connect
 
     try:
-        worker = Worker(python_of(options["habitat_python"]), PROBE_PX)
+        worker = connect(python_of(options["habitat_python"]), PROBE_PX)
     except (PrerequisiteError, EnvironmentFailure) as error:
         yield Finding("missing", f"Habitat-Sim: {error}", "docs/habitat.md says how to install it")
         return

@@ -24,7 +24,7 @@ def habitat_options(command: F) -> F:
     folder = click.Path(path_type=Path)
     for option in reversed(
         (
-            click.option("--habitat-python", metavar="PATH|conda:NAME", default=None, help="Python that has habitat_sim."),
+            click.option("--habitat-python", metavar="PATH|conda:NAME|tcp://H:P", default=None, help="Habitat-Sim's Python."),
             click.option("--scenes", type=folder, default=None, help="Folder of all scenes, the parent of mp3d/ or hm3d/."),
             click.option("--scene-dataset", type=folder, default=None, help="Scene dataset configuration, for HM3D's labels."),
             click.option("--settings", default="paper", show_default=True, help="Of Habitat-Sim: paper or official."),

@@ -113,15 +113,12 @@ class Worker:
         return answer
 
     def _refused(self, answer: say.Failed) -> Exception:
-        match answer.kind:
-            case "prerequisite":
-                self.close()
-                return PrerequisiteError(answer.sentence)
-            case "usage":
-                return UsageError(answer.sentence)
-            case _:
-                self._give_up()
-                return EnvironmentFailure(answer.sentence)
+        error = refusal(answer)
+        if isinstance(error, PrerequisiteError):
+            self.close()
+        elif isinstance(error, EnvironmentFailure):
+            self._give_up()
+        return error
 
     def _lost(self, name: str, how: str) -> Exception:
         """What to raise when the worker is gone or not understood."""
@@ -182,6 +179,17 @@ class Worker:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout=END_S)
         self._give_up()
+
+
+def refusal(answer: say.Failed) -> Exception:
+    """The error that a worker's answer stands for."""
+    match answer.kind:
+        case "prerequisite":
+            return PrerequisiteError(answer.sentence)
+        case "usage":
+            return UsageError(answer.sentence)
+        case _:
+            return EnvironmentFailure(answer.sentence)
 
 
 def _image_block(size_px: tuple[int, int]) -> tuple[int, mmap.mmap]:

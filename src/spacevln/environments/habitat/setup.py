@@ -13,7 +13,7 @@ class HabitatSetup:
     """How to run Habitat-Sim (docs/habitat.md explains each choice).
 
     Args:
-        python: interpreter that has habitat_sim.
+        python: interpreter that has habitat_sim, or ``tcp://HOST:PORT`` of a worker that listens.
         scenes: folder that the datasets' scene names are relative to.
         scene_dataset: a scene dataset configuration; empty for none.
         cache: folder for navigation meshes; empty to compute them anew each time.

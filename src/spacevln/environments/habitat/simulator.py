@@ -9,6 +9,7 @@ from spacevln_bridge import messages as say
 
 from spacevln.core.errors import ContractError, EnvironmentFailure, PrerequisiteError
 from spacevln.environments.habitat.process import ANSWER_S, OPEN_S, PING_S, Answer, Worker
+from spacevln.environments.habitat.remote import SCHEME, RemoteWorker, connect
 from spacevln.environments.habitat.setup import HabitatSetup
 
 
@@ -26,11 +27,11 @@ class HabitatSimulator:
         self.starts = 0
         self.opened: say.Opened | None = None
         self._answer_s = answer_s
-        self._worker: Worker | None = None
+        self._worker: Worker | RemoteWorker | None = None
         self._scene: str | None = None
 
     @property
-    def worker(self) -> Worker:
+    def worker(self) -> Worker | RemoteWorker:
         """The running worker; started if there is none.
 
         Raises:
@@ -39,7 +40,8 @@ class HabitatSimulator:
         """
         if self._worker is None or not self._worker.alive:
             self.close()
-            self._worker = Worker(self.setup.python, (self.setup.width_px, self.setup.height_px), answer_s=self._answer_s)
+            size_px = (self.setup.width_px, self.setup.height_px)
+            self._worker = connect(self.setup.python, size_px, answer_s=self._answer_s)
             self.starts += 1
         return self._worker
 
@@ -53,11 +55,12 @@ class HabitatSimulator:
         if self._worker is not None and self._worker.alive and self.opened is not None and self._scene == scene:
             return self.opened
         setup, path = self.setup, Path(self.setup.scenes) / scene
-        if not path.exists():
+        there = setup.python.startswith(SCHEME)  # scenes, dataset and cache are then that machine's
+        if not (there or path.exists()):
             raise PrerequisiteError(f"Scene {str(path)!r} is missing: give the folder of all scenes with --scenes.")
         self._scene = None
         request = say.Open(
-            scene=str(path.resolve()),
+            scene=str(path if there else path.resolve()),
             scene_dataset=setup.scene_dataset,
             cache=setup.cache,
             width_px=setup.width_px,
@@ -101,7 +104,7 @@ class HabitatSimulator:
         return self._worker.ask(request, kind)
 
     @property
-    def image(self) -> mmap.mmap:
+    def image(self) -> mmap.mmap | bytearray:
         """The shared image of the last view, which outlives the worker that drew it."""
         if self._worker is None:
             raise ContractError("HabitatSimulator.image was read before a scene was open: open one first.")
