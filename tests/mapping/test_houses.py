@@ -50,9 +50,10 @@ def test_the_map_of_some_rooms_is_true(seed: int) -> None:
     check(seed, CAMERA, rooms=3)
 
 
-UNTRUE = {  # what the map does not hold yet
-    2: "one way of house 2 is 8 % short, more than a gap of half a cell explains",
-    20: "a fifth of the ways on the lower floor of house 20 are about 21 % short",
+# The walk passes below what hangs above 0.95 m, as the houses' collision model allows; map and truth mind it up to 1.30 m.
+UNTRUE = {
+    2: "the walk leads the body through what stands there in truth, so the map calls it free: one way is 8 % short",
+    20: "the walk passes an open door with 5 cm of clearance, so the map calls the gap free: a fifth of the ways is 21 % short",
 }
 HOUSES = [
     pytest.param(seed, marks=pytest.mark.xfail(reason=UNTRUE[seed], raises=AssertionError) if seed in UNTRUE else ())
