@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from spacevln.environments.houses.motion import sweep_disc
+from spacevln.environments.houses.walking.motion import sweep_disc
 
 
 def test_a_step_among_hundreds_of_obstacles(benchmark: Any) -> None:

@@ -13,9 +13,9 @@ import pytest
 
 from spacevln.core import Camera, Pose
 from spacevln.environments.houses.environment import Place, load_place
-from spacevln.environments.houses.motion import Body
+from spacevln.environments.houses.ground.walkable import Walkable
 from spacevln.environments.houses.rendering import make_renderer, renderer_info
-from spacevln.environments.houses.walkable import Walkable
+from spacevln.environments.houses.walking.motion import Body
 
 HOUSES, VIEWS = 20, 6
 

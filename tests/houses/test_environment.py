@@ -23,10 +23,10 @@ from spacevln.core import (
     UsageError,
 )
 from spacevln.environments.houses.environment import HousesEnvironment
+from spacevln.environments.houses.ground.walkable import Walkable
 from spacevln.environments.houses.house import build_house
-from spacevln.environments.houses.motion import Body
 from spacevln.environments.houses.rendering import renderer_info
-from spacevln.environments.houses.walkable import Walkable
+from spacevln.environments.houses.walking.motion import Body
 from spacevln.testing.environment import EnvironmentConformance
 
 SMALL = Camera(160, 120, 79.0, 0.88)

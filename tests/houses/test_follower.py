@@ -9,11 +9,11 @@ import pytest
 
 from spacevln.core.actions import MoveForward, Stop, TurnLeft
 from spacevln.core.geometry import Pose
-from spacevln.environments.houses.follower import ShortestPathFollower
-from spacevln.environments.houses.geodesics import Geodesics
+from spacevln.environments.houses.ground.walkable import Walkable
 from spacevln.environments.houses.house import build_house
-from spacevln.environments.houses.motion import Body
-from spacevln.environments.houses.walkable import Walkable
+from spacevln.environments.houses.walking.follower import ShortestPathFollower
+from spacevln.environments.houses.walking.geodesics import Geodesics
+from spacevln.environments.houses.walking.motion import Body
 
 
 def walk(seed: int, pairs: int) -> list[tuple[float, float]]:

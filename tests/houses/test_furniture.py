@@ -12,9 +12,9 @@ from spacevln.environments.houses.furniture.leaf import leaf_place
 from spacevln.environments.houses.furniture.mesh import named_mesh, part_triangles
 from spacevln.environments.houses.furniture.shapes import CUSTOM
 from spacevln.environments.houses.furniture.walls import footprint_of, overlap
+from spacevln.environments.houses.ground.walkable import clearance_connected
 from spacevln.environments.houses.layout import ROOM_TYPES, generate_layout
 from spacevln.environments.houses.plan import House, Item
-from spacevln.environments.houses.walkable import clearance_connected
 
 SEEDS = range(12)
 IDENTIFYING = {

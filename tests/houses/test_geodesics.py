@@ -14,11 +14,11 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from spacevln.core.errors import UsageError
-from spacevln.environments.houses.footprints import Float, clearance
-from spacevln.environments.houses.geodesics import Geodesics
+from spacevln.environments.houses.ground.footprints import Float, clearance
+from spacevln.environments.houses.ground.walkable import AGENT_RADIUS_M, FloorSpace, Walkable
 from spacevln.environments.houses.house import build_house
 from spacevln.environments.houses.layout import generate_layout, hole
-from spacevln.environments.houses.walkable import AGENT_RADIUS_M, FloorSpace, Walkable
+from spacevln.environments.houses.walking.geodesics import Geodesics
 
 RADIUS = AGENT_RADIUS_M
 

@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from spacevln.core import Pose
-from spacevln.environments.houses.motion import Body, sweep_disc
+from spacevln.environments.houses.walking.motion import Body, sweep_disc
 
 RADIUS = 0.1
 NO_DISCS = np.empty((0, 3))

@@ -3,8 +3,8 @@ import numpy as np
 from spacevln.core.sensing import Camera
 from spacevln.environments.houses.furniture import furnish
 from spacevln.environments.houses.furniture.sheets import category_sheet, grid, render_views, room_views
+from spacevln.environments.houses.ground.walkable import Walkable
 from spacevln.environments.houses.layout import generate_layout
-from spacevln.environments.houses.walkable import Walkable
 
 SMALL = Camera(width_px=64, height_px=48, hfov_deg=79.0, height_m=0.88)
 

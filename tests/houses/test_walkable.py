@@ -12,12 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spacevln.core.errors import UsageError
+from spacevln.environments.houses.ground.placement import PlacementGuard
+from spacevln.environments.houses.ground.walkable import CAP_M, RESOLUTION_M, Walkable, clearance_connected
 from spacevln.environments.houses.house import build_house, parse_scene_name
 from spacevln.environments.houses.layout import generate_layout, hole, walls
 from spacevln.environments.houses.layout.structure import direction, portion
-from spacevln.environments.houses.placement import PlacementGuard
 from spacevln.environments.houses.plan import House, Item, Part, Rect
-from spacevln.environments.houses.walkable import CAP_M, RESOLUTION_M, Walkable, clearance_connected
 
 
 @lru_cache

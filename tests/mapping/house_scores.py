@@ -14,7 +14,7 @@ from house_walks import to_episode, to_scene
 
 from spacevln.core import Observation, Pose, SpatialMap
 from spacevln.environments.houses.environment import Place
-from spacevln.environments.houses.walkable import AGENT_RADIUS_M
+from spacevln.environments.houses.ground.walkable import AGENT_RADIUS_M
 from spacevln.mapping import MetricMap
 from spacevln.mapping.geodesics import FreeGrid
 

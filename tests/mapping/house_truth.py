@@ -12,9 +12,9 @@ from scipy import ndimage
 
 from spacevln.core import Camera, Pose
 from spacevln.environments.houses.environment import Place
-from spacevln.environments.houses.footprints import wall_shapes
+from spacevln.environments.houses.ground.footprints import wall_shapes
+from spacevln.environments.houses.ground.walkable import AGENT_RADIUS_M
 from spacevln.environments.houses.rendering.triangles import triangles_of
-from spacevln.environments.houses.walkable import AGENT_RADIUS_M
 
 FINE_M = 0.01
 FROM_M, TO_M = 0.15, 1.30

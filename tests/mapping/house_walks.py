@@ -11,8 +11,8 @@ import numpy as np
 
 from spacevln.core import Camera, Observation, Pose
 from spacevln.environments.houses.environment import Place
-from spacevln.environments.houses.geodesics import Geodesics
 from spacevln.environments.houses.rendering import make_renderer, renderer_info
+from spacevln.environments.houses.walking.geodesics import Geodesics
 
 CAMERA = Camera(320, 240, 79.0, 0.88)
 STEP_M = 0.25

@@ -11,9 +11,9 @@ from house_walks import CAMERA, look, walk_poses
 
 from spacevln.core import Camera, Observation, Pose
 from spacevln.environments.houses.environment import load_place
-from spacevln.environments.houses.geodesics import Geodesics
 from spacevln.environments.houses.layout.structure import direction
 from spacevln.environments.houses.rendering import make_renderer, renderer_info
+from spacevln.environments.houses.walking.geodesics import Geodesics
 from spacevln.mapping import MetricMap
 
 FULL = Camera(640, 480, 79.0, 0.88)

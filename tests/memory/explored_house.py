@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from spacevln.core import Camera, EpisodeSpec, InstructionTask, Observation, Pose
 from spacevln.environments.houses.environment import HousesEnvironment, load_place
-from spacevln.environments.houses.geodesics import Geodesics
 from spacevln.environments.houses.plan import House, Room
+from spacevln.environments.houses.walking.geodesics import Geodesics
 from spacevln.language import known_categories
 from spacevln.mapping import MetricMap
 from spacevln.memory import SpatialCognitiveMemory

@@ -31,8 +31,8 @@ def render(seed: int, out: Path | None) -> None:
     from PIL import Image, ImageDraw, ImageFont
 
     from spacevln.environments.houses.furniture.sheets import render_views, room_views
+    from spacevln.environments.houses.ground.walkable import Walkable
     from spacevln.environments.houses.house import build_house
-    from spacevln.environments.houses.walkable import Walkable
 
     house = build_house(seed)
     space = Walkable(house)

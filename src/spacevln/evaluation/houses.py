@@ -23,10 +23,10 @@ from spacevln.environments.houses.episodes import (
     object_goal_episode,
     reachable_categories,
 )
-from spacevln.environments.houses.follower import ShortestPathFollower
-from spacevln.environments.houses.geodesics import Field
 from spacevln.environments.houses.house import build_house, parse_scene_name
-from spacevln.environments.houses.motion import Body
+from spacevln.environments.houses.walking.follower import ShortestPathFollower
+from spacevln.environments.houses.walking.geodesics import Field
+from spacevln.environments.houses.walking.motion import Body
 from spacevln.evaluation.datasets.hm3d_ovon import load_hm3d_ovon
 from spacevln.evaluation.datasets.r2r_ce import load_r2r_ce
 from spacevln.evaluation.datasets.sequence import EpisodeSequence

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.core import Pose
-from spacevln.environments.houses.geodesics import Geodesics
+from spacevln.environments.houses.ground.walkable import RESOLUTION_M, Walkable
 from spacevln.environments.houses.plan import Room
-from spacevln.environments.houses.walkable import RESOLUTION_M, Walkable
+from spacevln.environments.houses.walking.geodesics import Geodesics
 
 STEP_M = 0.25
 CLEARANCE_M = 0.25

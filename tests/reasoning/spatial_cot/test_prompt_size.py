@@ -18,7 +18,7 @@ from cot_situations import BODY, OFF, TASK, later_call, memory, query, settings
 
 from spacevln.core import Camera, EpisodeSpec, Observation, Pose
 from spacevln.environments.houses.environment import HousesEnvironment, load_place
-from spacevln.environments.houses.geodesics import Geodesics
+from spacevln.environments.houses.walking.geodesics import Geodesics
 from spacevln.language import known_categories
 from spacevln.mapping import MetricMap
 from spacevln.memory import SpatialCognitiveMemory

@@ -14,8 +14,8 @@ from spacevln.core.interfaces import EnvironmentSpec
 from spacevln.core.sensing import Camera, Observation
 from spacevln.core.task import EpisodeSpec
 from spacevln.environments.houses.labels import house_labels, image_labels
-from spacevln.environments.houses.motion import Body, Ground
 from spacevln.environments.houses.rendering import Drawable, Renderer, RendererName, make_renderer, renderer_info
+from spacevln.environments.houses.walking.motion import Body, Ground
 
 _KEPT_SCENES = 4
 _TOLERANCE = 1e-6
@@ -35,9 +35,9 @@ def load_place(scene: str) -> Place:
     Raises:
         UsageError: the name is not of the form ``"house-000017"``.
     """
+    from spacevln.environments.houses.ground.walkable import Walkable
     from spacevln.environments.houses.house import build_house, parse_scene_name
     from spacevln.environments.houses.scene import compile_scene
-    from spacevln.environments.houses.walkable import Walkable
 
     house = build_house(parse_scene_name(scene))
     compiled = compile_scene(house)

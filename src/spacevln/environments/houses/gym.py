@@ -24,9 +24,9 @@ from spacevln.core.task import EpisodeSpec, InstructionTask
 from spacevln.environments.houses.environment import HousesEnvironment
 from spacevln.environments.houses.episodes import NoEpisodeError, route_episode
 from spacevln.environments.houses.episodes.grounds import Grounds
-from spacevln.environments.houses.geodesics import Field
 from spacevln.environments.houses.house import build_house
 from spacevln.environments.houses.rendering import RANGE_M, RendererName
+from spacevln.environments.houses.walking.geodesics import Field
 
 try:
     import gymnasium

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.environments.houses.episodes.topology import Topology
-from spacevln.environments.houses.geodesics import Geodesics
+from spacevln.environments.houses.ground.walkable import Walkable
 from spacevln.environments.houses.plan import House
-from spacevln.environments.houses.walkable import Walkable
+from spacevln.environments.houses.walking.geodesics import Geodesics
 
 
 class Grounds:

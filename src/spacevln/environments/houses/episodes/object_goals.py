@@ -28,9 +28,9 @@ from spacevln.environments.houses.episodes.grounds import Grounds
 from spacevln.environments.houses.episodes.routes import portals_along
 from spacevln.environments.houses.episodes.sight import Sight
 from spacevln.environments.houses.episodes.space import Bool, Float
-from spacevln.environments.houses.geodesics import Field
+from spacevln.environments.houses.ground.walkable import AGENT_RADIUS_M, RESOLUTION_M
 from spacevln.environments.houses.plan import House, Item
-from spacevln.environments.houses.walkable import AGENT_RADIUS_M, RESOLUTION_M
+from spacevln.environments.houses.walking.geodesics import Field
 
 SUCCESS_M = 1.0
 _STREAM: dict[Split, int] = {"dev": 73, "test": 74}

@@ -1,6 +1,6 @@
 """Coarse grids of a house for reasoning about routes: which room, what is walkable, what hides what.
 
-These serve choosing and describing; distances that are published come from :mod:`..geodesics`.
+These serve choosing and describing; distances that are published come from :mod:`..walking.geodesics`.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from spacevln.environments.houses.episodes.item_geometry import surface_distance
+from spacevln.environments.houses.ground.walkable import RESOLUTION_M, Walkable
 from spacevln.environments.houses.plan import Item, Opening, Rect
-from spacevln.environments.houses.walkable import RESOLUTION_M, Walkable
 
 Float = NDArray[np.float64]
 Bool = NDArray[np.bool_]

@@ -16,8 +16,8 @@ from spacevln.environments.houses.episodes.bends import STEP_M, directions, resa
 from spacevln.environments.houses.episodes.item_geometry import Footprints, nearest_surface_point
 from spacevln.environments.houses.episodes.space import XY, Bool, Float, Ints, Space, stairs_ends
 from spacevln.environments.houses.episodes.unnamed import NEVER_LANDMARKS
+from spacevln.environments.houses.ground.walkable import Walkable
 from spacevln.environments.houses.plan import House, Item, Room
-from spacevln.environments.houses.walkable import Walkable
 
 PASS_M = 2.4
 SEE_M = 7.0

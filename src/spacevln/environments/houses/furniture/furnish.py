@@ -11,7 +11,7 @@ from spacevln.core.errors import UnknownNameError
 from spacevln.environments.houses.furniture import recipes, service
 from spacevln.environments.houses.furniture.space import RoomSpace, Taste
 from spacevln.environments.houses.furniture.styles import choose_styles
-from spacevln.environments.houses.placement import PlacementGuard
+from spacevln.environments.houses.ground.placement import PlacementGuard
 from spacevln.environments.houses.plan import House, Item
 
 _STREAM = 2

@@ -13,11 +13,11 @@ from spacevln.core.geometry import Float
 from spacevln.core.sensing import Camera
 from spacevln.environments.houses.furniture.kit import CATALOGUE, design
 from spacevln.environments.houses.furniture.walls import footprint_of
+from spacevln.environments.houses.ground.walkable import Walkable
 from spacevln.environments.houses.plan import Floor, House, Item, Rect, Room
 from spacevln.environments.houses.rendering.choice import make_renderer, renderer_info
 from spacevln.environments.houses.rendering.protocol import Drawable
 from spacevln.environments.houses.scene import compile_scene
-from spacevln.environments.houses.walkable import Walkable
 
 _STAGE_M = 11.0
 Image = NDArray[np.uint8]

@@ -23,7 +23,7 @@ from spacevln.environments.houses.furniture.walls import (
     room_sides,
     strip_before,
 )
-from spacevln.environments.houses.placement import PlacementGuard
+from spacevln.environments.houses.ground.placement import PlacementGuard
 from spacevln.environments.houses.plan import House, Item, Opening, Rect, Room
 
 _WALL_GAP_M = 0.01

@@ -37,6 +37,57 @@ def _span(
 
 
 @njit(cache=True)
+def _bring(v: F64, points: F32, corners: NDArray[np.uint32], eye: F64, to_camera: F64) -> None:
+    """The three corners of a triangle in the camera frame, as rows of ``v``."""
+    for k in range(3):
+        p = points[corners[k]]
+        x, y, z = p[0] - eye[0], p[1] - eye[1], p[2] - eye[2]
+        for r in range(3):
+            v[k, r] = to_camera[r, 0] * x + to_camera[r, 1] * y + to_camera[r, 2] * z
+
+
+@njit(cache=True)
+def _cross(a: F64, b: F64) -> tuple[float, float, float]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@njit(cache=True)
+def _draw(v: F64, t: int, lens: F64, near: float, longest: float, depth: F64, hit: I32, weights: F32) -> None:
+    """Enter triangle ``t`` with the corners ``v`` wherever it is the nearest so far."""
+    height, width = depth.shape
+    fx, fy, cx, cy = lens
+    n0 = _cross(v[1], v[2])
+    volume = v[0, 0] * n0[0] + v[0, 1] * n0[1] + v[0, 2] * n0[2]
+    if volume >= -1e-15:  # seen from behind, or on edge
+        return
+    column0, column1 = _span(v[0, 1], v[1, 1], v[2, 1], v[0, 0], v[1, 0], v[2, 0], fx, cx, width)
+    row0, row1 = _span(v[0, 2], v[1, 2], v[2, 2], v[0, 0], v[1, 0], v[2, 0], fy, cy, height)
+    if column0 >= column1 or row0 >= row1:
+        return
+    n1, n2 = _cross(v[2], v[0]), _cross(v[0], v[1])
+    d0, d1, d2 = n0[1] / fx, n1[1] / fx, n2[1] / fx
+    left = (cx - column0 - 0.5) / fx
+    for row in range(row0, row1):
+        up = (cy - row - 0.5) / fy
+        e0 = n0[0] + left * n0[1] + up * n0[2]
+        e1 = n1[0] + left * n1[1] + up * n1[2]
+        e2 = n2[0] + left * n2[1] + up * n2[2]
+        for column in range(column0, column1):
+            if e0 <= 0.0 and e1 <= 0.0 and e2 <= 0.0:
+                total = e0 + e1 + e2
+                if total < 0.0:
+                    here = volume / total
+                    if near <= here < depth[row, column] and here <= longest:
+                        depth[row, column] = here
+                        hit[row, column] = t
+                        weights[row, column, 0] = e1 / total
+                        weights[row, column, 1] = e2 / total
+            e0 -= d0
+            e1 -= d1
+            e2 -= d2
+
+
+@njit(cache=True)
 def nearest_triangles(
     points: F32,
     triangles: NDArray[np.uint32],
@@ -64,64 +115,11 @@ def nearest_triangles(
         near, longest: depths between which a hit counts [m].
         depth, hit, weights: results (H, W), (H, W), (H, W, 2): filled with ``longest``, -1 and 0 before.
     """
-    height, width = depth.shape
-    fx, fy, cx, cy = lens
     v = np.empty((3, 3))
     for g in shown:
         for t in range(first[g], first[g] + count[g]):
-            for k in range(3):
-                p = points[triangles[t, k]]
-                x, y, z = p[0] - eye[0], p[1] - eye[1], p[2] - eye[2]
-                for r in range(3):
-                    v[k, r] = to_camera[r, 0] * x + to_camera[r, 1] * y + to_camera[r, 2] * z
-            n0 = np.array(
-                (
-                    v[1, 1] * v[2, 2] - v[1, 2] * v[2, 1],
-                    v[1, 2] * v[2, 0] - v[1, 0] * v[2, 2],
-                    v[1, 0] * v[2, 1] - v[1, 1] * v[2, 0],
-                )
-            )
-            volume = v[0, 0] * n0[0] + v[0, 1] * n0[1] + v[0, 2] * n0[2]
-            if volume >= -1e-15:  # seen from behind, or on edge
-                continue
-            column0, column1 = _span(v[0, 1], v[1, 1], v[2, 1], v[0, 0], v[1, 0], v[2, 0], fx, cx, width)
-            row0, row1 = _span(v[0, 2], v[1, 2], v[2, 2], v[0, 0], v[1, 0], v[2, 0], fy, cy, height)
-            if column0 >= column1 or row0 >= row1:
-                continue
-            n1 = np.array(
-                (
-                    v[2, 1] * v[0, 2] - v[2, 2] * v[0, 1],
-                    v[2, 2] * v[0, 0] - v[2, 0] * v[0, 2],
-                    v[2, 0] * v[0, 1] - v[2, 1] * v[0, 0],
-                )
-            )
-            n2 = np.array(
-                (
-                    v[0, 1] * v[1, 2] - v[0, 2] * v[1, 1],
-                    v[0, 2] * v[1, 0] - v[0, 0] * v[1, 2],
-                    v[0, 0] * v[1, 1] - v[0, 1] * v[1, 0],
-                )
-            )
-            d0, d1, d2 = n0[1] / fx, n1[1] / fx, n2[1] / fx
-            left = (cx - column0 - 0.5) / fx
-            for row in range(row0, row1):
-                up = (cy - row - 0.5) / fy
-                e0 = n0[0] + left * n0[1] + up * n0[2]
-                e1 = n1[0] + left * n1[1] + up * n1[2]
-                e2 = n2[0] + left * n2[1] + up * n2[2]
-                for column in range(column0, column1):
-                    if e0 <= 0.0 and e1 <= 0.0 and e2 <= 0.0:
-                        total = e0 + e1 + e2
-                        if total < 0.0:
-                            here = volume / total
-                            if near <= here < depth[row, column] and here <= longest:
-                                depth[row, column] = here
-                                hit[row, column] = t
-                                weights[row, column, 0] = e1 / total
-                                weights[row, column, 1] = e2 / total
-                    e0 -= d0
-                    e1 -= d1
-                    e2 -= d2
+            _bring(v, points, triangles[t], eye, to_camera)
+            _draw(v, t, lens, near, longest, depth, hit, weights)
 
 
 @njit(cache=True)

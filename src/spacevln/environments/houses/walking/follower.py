@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 from spacevln.core.actions import Action, MoveForward, Stop, TurnLeft, TurnRight
 from spacevln.core.geometry import Pose
-from spacevln.environments.houses.geodesics import Field
-from spacevln.environments.houses.motion import Body
+from spacevln.environments.houses.walking.geodesics import Field
+from spacevln.environments.houses.walking.motion import Body
 
 STOP_M = 0.25
 _PROGRESS_M = 0.005

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from spacevln.core.errors import UsageError
-from spacevln.environments.houses.footprints import clearance, item_shapes, lower_clearance, wall_shapes
+from spacevln.environments.houses.ground.footprints import clearance, item_shapes, lower_clearance, wall_shapes
 from spacevln.environments.houses.layout.structure import direction, hole, portion
 from spacevln.environments.houses.plan import House, Rect, Stairs
 

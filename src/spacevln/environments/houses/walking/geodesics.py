@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.core.errors import UsageError
-from spacevln.environments.houses.anyangle import look_up, spread
+from spacevln.environments.houses.ground.walkable import AGENT_RADIUS_M, RESOLUTION_M, Walkable
 from spacevln.environments.houses.layout.structure import direction, portion
 from spacevln.environments.houses.plan import Stairs
-from spacevln.environments.houses.walkable import AGENT_RADIUS_M, RESOLUTION_M, Walkable
+from spacevln.environments.houses.walking.anyangle import look_up, spread
 
 Float = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -184,7 +184,7 @@ class Obstacles(Protocol):
 
 
 class Ground(Protocol):
-    """Where a body can stand; :class:`~spacevln.environments.houses.walkable.Walkable` is one."""
+    """Where a body can stand; :class:`~spacevln.environments.houses.ground.walkable.Walkable` is one."""
 
     @property
     def floors(self) -> Sequence[Obstacles]:

@@ -1,4 +1,4 @@
-"""Kernels of the any-angle search behind :mod:`geodesics`: paths bend only at cells and are straight between them."""
+"""Kernels of the any-angle search behind :mod:`.geodesics`: paths bend only at cells and are straight between them."""
 
 from __future__ import annotations
 

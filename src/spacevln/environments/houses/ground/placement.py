@@ -9,10 +9,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from spacevln.environments.houses.footprints import box, lower_clearance
+from spacevln.environments.houses.ground.footprints import box, lower_clearance
+from spacevln.environments.houses.ground.walkable import RESOLUTION_M, FloorSpace, Walkable
 from spacevln.environments.houses.layout.structure import hole, portion
 from spacevln.environments.houses.plan import House, Opening, Rect, Room
-from spacevln.environments.houses.walkable import RESOLUTION_M, FloorSpace, Walkable
 
 DOOR_DEPTH_M = 0.7
 OPENING_DEPTH_M = 0.5
