@@ -12,9 +12,9 @@ from golden_house import golden_house
 from spacevln.core import Pose
 from spacevln.core.geometry import Float
 from spacevln.environments.habitat.frame import pose_from_habitat
-from spacevln.environments.houses.geodesics import Geodesics
-from spacevln.environments.houses.motion import Body
-from spacevln.environments.houses.walkable import Walkable
+from spacevln.environments.houses.ground.walkable import Walkable
+from spacevln.environments.houses.walking.geodesics import Geodesics
+from spacevln.environments.houses.walking.motion import Body
 
 FORWARD = 1
 STEP_M = 0.25

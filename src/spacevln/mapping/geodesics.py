@@ -11,8 +11,8 @@ from spacevln.mapping import wavefront
 
 Float = NDArray[np.float64]
 
-# The embedded houses search ways with kernels of their own (environments.houses.anyangle), on purpose: the agent's packages
-# import no environment, and a truth that shared its code with the map could not judge the map.
+# The embedded houses search ways with kernels of their own (environments.houses.walking.anyangle), on purpose: the agent's
+# packages import no environment, and a truth that shared its code with the map could not judge the map.
 
 SNAP_M = 0.3  # an end that is not free is moved to free space at most this far
 

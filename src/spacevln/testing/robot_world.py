@@ -9,7 +9,7 @@ import numpy as np
 
 from spacevln.core import Camera, EpisodeSpec, InstructionTask, Pose
 from spacevln.core.geometry import Float
-from spacevln.environments.houses.motion import sweep_disc
+from spacevln.environments.houses.walking.motion import sweep_disc
 from spacevln.environments.robot.simulation.world import Sight
 from spacevln.environments.robot.transforms import pose_of_matrix
 from spacevln.testing.flatland import Box, Flatland
