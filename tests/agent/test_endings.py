@@ -5,23 +5,34 @@ from __future__ import annotations
 import inspect
 import signal
 
+import numpy as np
 import pytest
-from flat_runs import CHAIN, Breaking, ahead, by_feedback, run
+from flat_runs import CHAIN, SOFA, Breaking, ahead, by_feedback, run
 
-from spacevln.agent import AgentSettings, NavigationAgent, loop
+from spacevln.agent import AgentSettings, Components, NavigationAgent, loop
+from spacevln.agent.finish import FinishJudge
+from spacevln.agent.look_around import Panorama
+from spacevln.agent.world import World
 from spacevln.core import (
+    Anchor,
+    CueKind,
     EnvironmentFailure,
     EpisodeEnded,
     EpisodeSpec,
     EpisodeStatus,
     Event,
+    Feedback,
     InstructionTask,
     MapSaved,
     MoveForward,
+    Observation,
     PlannerContext,
     Pose,
     SafetyStop,
+    SpaceKind,
     SpendingLimit,
+    StageEnd,
+    StageRecord,
     StepTaken,
     Stop,
     StopReason,
@@ -30,7 +41,7 @@ from spacevln.core import (
 )
 from spacevln.perception import LabelDetector
 from spacevln.testing.flatland import Flatland
-from spacevln.testing.scripted import EventList, ScriptedExecutor, ScriptedPlanner, subtask_of
+from spacevln.testing.scripted import BlindDetector, EventList, ScriptedExecutor, ScriptedPlanner, subtask_of
 
 
 def to_the_side(context: PlannerContext) -> Subtask:
@@ -90,6 +101,28 @@ def test_a_run_that_has_spent_what_it_may_stops_the_body(who: str) -> None:
     assert steps[-1].action == Stop()
     assert len(steps) == done.result.steps == 13
     assert done.sink.names()[-2:] == ["MapSaved", "EpisodeEnded"]
+
+
+@pytest.mark.parametrize(("climbed_m", "accepted"), [(2.8, True), (0.0, False)])
+@pytest.mark.parametrize("end", [StageEnd.STAGE_BUDGET, StageEnd.STOP])
+def test_a_goal_over_stairs_is_reached_by_the_change_of_floor(end: StageEnd, climbed_m: float, accepted: bool) -> None:
+    world, camera = World(BlindDetector(), Components()), Flatland().spec.camera
+    shape = (camera.height_px, camera.width_px)
+    chain = (SOFA, Anchor("stairs up", SpaceKind.FLOOR_TRANSITION, "stairs", CueKind.STAIRS))
+
+    def see(x_m: float, z_m: float) -> Observation:
+        observation = Observation(np.zeros((*shape, 3), np.uint8), np.zeros(shape, np.float32), Pose(x_m, 0.0, z_m), camera)
+        world.integrate(observation)
+        return observation
+
+    see(0.0, 0.0)
+    world.begin_stage(subtask_of(chain, 0), Pose(0.0, 0.0))
+    for step in range(5):  # a floor is believed after a few steady steps
+        seen = see(0.25 * step, climbed_m)
+    feedback = Feedback(subtask_of(chain, 0), StageRecord(Pose(0.0, 0.0)), (), end)
+    verdict = FinishJudge(world, AgentSettings()).claimed(subtask_of(chain, 1), feedback, Panorama((seen,), ()))
+    assert verdict.accepted == accepted
+    assert ("landmark_arrival", accepted) in verdict.clauses
 
 
 def test_a_stop_that_fails_is_no_stop() -> None:

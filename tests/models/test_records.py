@@ -66,6 +66,21 @@ class Wanderer:
         return {"view": "", "detection": "", "progress": "", "action": {"reasoning": "", "choice": words}}
 
 
+def run_file(configuration: Configuration) -> RunFile:
+    return RunFile(
+        version="test",
+        suite="run vln 7",
+        created="2026-01-01T00:00:00+00:00",
+        command=("spacevln",),
+        configuration=configuration.model_dump(mode="json"),
+        configuration_hash=configuration.hash,
+        packages={},
+        python="3",
+        platform="p",
+        git_revision=None,
+    )
+
+
 @pytest.fixture(scope="module")
 def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of one short episode, recorded whole."""
@@ -81,19 +96,7 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
         configuration = Configuration(
             planner="vlm", executor="vlm", models=ModelPair(planner=choice, executor=choice), step_budget=60
         )
-        run = RunFile(
-            version="test",
-            suite="run vln 7",
-            created="2026-01-01T00:00:00+00:00",
-            command=("spacevln",),
-            configuration=configuration.model_dump(mode="json"),
-            configuration_hash=configuration.hash,
-            packages={},
-            python="3",
-            platform="p",
-            git_revision=None,
-        )
-        write_file(directory / "run.json", run)
+        write_file(directory / "run.json", run_file(configuration))
         episode = pick_episode("vln", 7)
         access = RunAccess(ledger=directory / "ledger.sqlite", max_usd=5.0)
         with Session(configuration, access=access) as session:
@@ -166,6 +169,15 @@ def test_the_packages_averages_give_the_papers_order_of_cost() -> None:
 def test_a_record_without_models_teaches_no_forecast(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no finished episode that asked a model"):
         recorded_averages(tmp_path)
+
+
+def test_what_was_not_recorded_in_an_embedded_house_is_not_replayed(tmp_path: Path) -> None:
+    folder = tmp_path / "episodes" / "a"
+    folder.mkdir(parents=True)
+    (folder / "events.jsonl").touch()
+    write_file(tmp_path / "run.json", run_file(Configuration()).model_copy(update={"configuration": {"environment": "a robot"}}))
+    with pytest.raises(UsageError, match=r"was not recorded in an embedded house.*: look at it with `spacevln view`\.$"):
+        replay(folder, tmp_path / "again")
 
 
 def test_finding_the_episode_of_a_record(tmp_path: Path) -> None:

@@ -11,7 +11,19 @@ from spacevln.agent.settings import AgentSettings
 from spacevln.agent.world import World
 from spacevln.control import EpisodeGate, FinishClaim, GateVerdict, StableFinalArrival, inside_final_region
 from spacevln.control.anchors import same_anchor, same_space
-from spacevln.core import Anchor, EpisodeStatus, Event, Feedback, GateAsked, LandmarkPool, Pose, StageEnd, StopReason, Subtask
+from spacevln.core import (
+    Anchor,
+    EpisodeStatus,
+    Event,
+    Feedback,
+    GateAsked,
+    LandmarkPool,
+    Pose,
+    SpaceKind,
+    StageEnd,
+    StopReason,
+    Subtask,
+)
 
 
 class FinishJudge:
@@ -34,7 +46,7 @@ class FinishJudge:
                 verified_before=feedback.subtask.current_index if feedback else -1,
                 place=subtask.current_anchor.space or self._world.locate(pose)[1],
                 pool=(*_final_pool(final, feedback), *self._world.evidence(final, panorama.observations)),
-                arrived=_arrived(final, feedback),
+                arrived=self._arrived(final, feedback),
             )
         )
 
@@ -57,7 +69,7 @@ class FinishJudge:
                 verified_before=subtask.current_index,
                 place=region if same_space(region, subtask.final_anchor.space) else "",
                 pool=feedback.pool,
-                arrived=feedback.end is StageEnd.ARRIVAL,
+                arrived=self._arrived(subtask.final_anchor, feedback),
             )
         )
         emit(GateAsked(body.stage, verdict.accepted, verdict.clauses))
@@ -75,13 +87,16 @@ class FinishJudge:
         )
         return self._stable.observe(subtask, pose, inside=inside)
 
+    def _arrived(self, final: Anchor, feedback: Feedback | None) -> bool:
+        """Whether the last stage brought the agent to the goal; over stairs, the change of floor tells."""
+        if feedback is None or not _headed_for(final, feedback):
+            return False
+        crossed = final.space_kind is SpaceKind.FLOOR_TRANSITION and self._world.changed_floor
+        return crossed or feedback.end is StageEnd.ARRIVAL
+
 
 def _headed_for(final: Anchor, feedback: Feedback | None) -> bool:
     return feedback is not None and feedback.subtask.targets_final_anchor and same_anchor(feedback.subtask.final_anchor, final)
-
-
-def _arrived(final: Anchor, feedback: Feedback | None) -> bool:
-    return feedback is not None and _headed_for(final, feedback) and feedback.end is StageEnd.ARRIVAL
 
 
 def _final_pool(final: Anchor, feedback: Feedback | None) -> LandmarkPool:

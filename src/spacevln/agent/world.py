@@ -45,6 +45,7 @@ class World:
         self.map = building.metric_map
         self.memory = SpatialCognitiveMemory(building.hierarchical)  # M_0 = {W_0, L_0}, W_0 = {G_0, P_0}
         self.stage_terms: tuple[str, ...] = ()  # Norm(ell_k) of the last stage
+        self._stage_floor = self.map.floor  # where that stage began
 
     @property
     def space(self) -> SpatialMap:
@@ -86,12 +87,18 @@ class World:
         region = memory.region_at(pose, self.map.floor) if self._components.hsm else None
         return self.map.floor, memory.waypoints[region.waypoints[0]].region if region else ""
 
+    @property
+    def changed_floor(self) -> bool:
+        """Whether the last stage led to another floor; believed after a few steady steps, often only in the next look-around."""
+        return self.map.floor != self._stage_floor
+
     def begin_stage(self, subtask: Subtask, pose: Pose) -> tuple[str, ...]:
         """L^(k)_0 and B^(k)_0 are empty; the terms that the detector grounds in this stage, Norm(ell_k)."""
         anchor = subtask.next_anchor
         kind = anchor.cue_kind if anchor is not None and anchor.cue and anchor.cue == subtask.landmark else None
         traverse = anchor is not None and anchor.space_kind is SpaceKind.FLOOR_TRANSITION
         landmark = subtask.landmark if self._components.landmark_memory else ""
+        self._stage_floor = self.map.floor
         self.map.start_stage()
         self.memory.begin_stage(landmark, pose, kind=kind, traverse=traverse)
         self.stage_terms = norm(landmark)

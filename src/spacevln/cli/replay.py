@@ -18,6 +18,7 @@ SHOWN_CHARS = 600
 def replay(record: Path, episode_id: str | None, loose: bool, out: Path | None) -> int:
     """Rerun the episode in RECORD from its stored replies, without any model, and compare what the agent does.
 
+    The world is rebuilt too, which only embedded houses can be: look at any other with `spacevln view`.
     Ends with 0 when every action is the same to the byte, else with 1.
     """
     from spacevln.evaluation.replay import find_episode

@@ -9,7 +9,9 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_environment
+from pydantic import ValidationError
+
+from spacevln.assembly import Configuration, HousesSettings, RegisteredEnvironment, build_agent, build_environment
 from spacevln.core import ChatModel, EpisodeSpec, InstructionTask, ObjectGoalTask, RecordError, Role, UsageError
 from spacevln.models import RecordedCall, RecordedModel
 from spacevln.models.reported import ReportedModel
@@ -57,7 +59,7 @@ def replay(episode: Path, out: Path, *, strict: bool = True) -> ReplayReport:
 
     Raises:
         RecordError: a record is missing or damaged.
-        UsageError: it is no record of an agent.
+        UsageError: it is no record of an agent in an embedded house.
     """
     configuration = _configuration(episode)
     lines = list(read_events(episode))
@@ -105,10 +107,22 @@ def find_episode(record: Path, episode_id: str | None = None) -> Path:
 
 def _configuration(episode: Path) -> Configuration:
     run = read_file(episode.parent.parent / "run.json", RunFile)
-    configuration = Configuration.model_validate(run.configuration)
+    try:
+        configuration = Configuration.model_validate(run.configuration)
+    except ValidationError as error:
+        raise _elsewhere(episode) from error
+    if not isinstance(configuration.environment, HousesSettings):
+        raise _elsewhere(episode)
     if configuration.driver != "agent":
         raise UsageError(f"{str(episode)!r} was driven by {configuration.driver!r}: give a record of the agent.")
     return configuration
+
+
+def _elsewhere(episode: Path) -> UsageError:
+    return UsageError(
+        f"{str(episode)!r} was not recorded in an embedded house, and nothing else can be rebuilt for a replay: "
+        "look at it with `spacevln view`."
+    )
 
 
 def _spec(lines: Sequence[EventLine], episode: Path) -> EpisodeSpec:
