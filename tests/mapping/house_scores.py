@@ -9,18 +9,17 @@ from itertools import pairwise
 
 import numba
 import numpy as np
-from house_truth import FINE_M, FROM_M, TO_M, Truth, VisibleFloor, truth_of
-from house_walks import to_episode, to_scene
+from house_truth import FINE_M, FROM_M, TO_M, Truth, VisibleFloor
+from house_walks import WalkedHouse, to_episode, to_scene
 
 from spacevln.core import Observation, Pose, SpatialMap
-from spacevln.environments.houses.environment import Place
 from spacevln.environments.houses.ground.walkable import AGENT_RADIUS_M
 from spacevln.mapping import MetricMap
 from spacevln.mapping.geodesics import FreeGrid
 
 CELL_M = 0.05
 _SPAN_CELLS = 2400  # the house lies within 60 m around the start
-_RAYS = 30
+_RAYS = 15
 
 
 @dataclass(frozen=True)
@@ -48,21 +47,20 @@ class Witness:
     """Collects, frame by frame, what the map must know.
 
     Args:
-        place: the house.
-        poses: of the walk, scene frame.
+        walked: the house and the walk.
         rng: picks the rays.
     """
 
-    def __init__(self, place: Place, poses: list[Pose], rng: np.random.Generator) -> None:
-        self.place, self.poses, self._rng = place, poses, rng
-        floors = len(place.drawable.house.floors)
-        self._pixels = np.zeros((floors, _SPAN_CELLS, _SPAN_CELLS), np.uint16)
-        self._reached: list[set[tuple[int, int]]] = [set() for _ in range(floors)]
-        self._visible = VisibleFloor(place)
+    def __init__(self, walked: WalkedHouse, rng: np.random.Generator) -> None:
+        self.walked, self._rng = walked, rng
+        self._floors = walked.place.drawable.house.floors
+        self._pixels = np.zeros((len(self._floors), _SPAN_CELLS, _SPAN_CELLS), np.uint16)
+        self._reached: list[set[tuple[int, int]]] = [set() for _ in self._floors]
+        self._visible = VisibleFloor(walked.place)
 
     def see(self, pose: Pose, observation: Observation) -> None:
         """One frame; frames from stairs prove nothing about a floor."""
-        for floor in self.place.drawable.house.floors:
+        for floor in self._floors:
             if abs(pose.z_m - floor.z_m) < 0.05:
                 T, camera = observation.T_world_camera, observation.camera
                 intrinsics = np.array([camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px])
@@ -74,13 +72,13 @@ class Witness:
         c, s = math.cos(observation.pose.yaw_rad), math.sin(observation.pose.yaw_rad)
         points = np.column_stack([ahead, ahead * side]) @ np.array([[c, s], [-s, c]]) + observation.pose.xy_m
         ij = np.floor(points / CELL_M).astype(int)
-        there = self._visible.reached(pose, observation.camera, to_scene(self.poses[0], (ij + 0.5) * CELL_M))
+        there = self._visible.reached(pose, observation.camera, to_scene(self.walked.start, (ij + 0.5) * CELL_M))
         self._reached[floor].update(map(tuple, ij[there].tolist()))
 
     def score(self, world_map: MetricMap, floor: int) -> Score:
         """The map's floor of the same number against the truth."""
-        truth, start, known = truth_of(self.place, floor), self.poses[0], world_map.on_floor(floor)
-        walked = to_episode(start, np.array([pose.xy_m for pose in self.poses]))
+        truth, start, known = self.walked.truths[floor], self.walked.start, world_map.on_floor(floor)
+        walked = to_episode(start, np.array([pose.xy_m for pose in self.walked.poses]))
         low, high = np.floor((walked.min(axis=0) - 6) / CELL_M), np.ceil((walked.max(axis=0) + 6) / CELL_M)
         cells = (np.argwhere(np.ones((high - low).astype(int), bool)) + low + 0.5) * CELL_M
         cells = cells[known.is_explored(cells)]
@@ -88,8 +86,8 @@ class Witness:
         obstacles, seen, free = (
             self._off_stairs(some) for some in (cells[known.is_obstacle(cells)], seen, cells[known.is_free(cells)])
         )
-        reached = (np.array(sorted(self._reached[floor])) + 0.5) * CELL_M
         ways = np.array(list(self._ways(known, truth, floor))).reshape(-1, 2)
+        reached = (np.array(sorted(self._reached[floor])) + 0.5) * CELL_M
         return Score(
             float(np.mean(truth.at(truth.distance_m, to_scene(start, obstacles)) <= 0.10)),
             float(known.is_obstacle(seen).mean()),
@@ -101,29 +99,29 @@ class Witness:
 
     def _off_stairs(self, xy_m: np.ndarray) -> np.ndarray:
         """Without the cells on flights, which are no obstacles and have no floor."""
-        scene = to_scene(self.poses[0], xy_m)
-        on = [stairs.rect.contains(*point, -0.05) for point in scene.tolist() for stairs in self.place.drawable.house.stairs]
+        scene = to_scene(self.walked.start, xy_m)
+        on = [
+            stairs.rect.contains(*point, -0.05) for point in scene.tolist() for stairs in self.walked.place.drawable.house.stairs
+        ]
         return xy_m[~np.array(on, bool).reshape(len(xy_m), -1).any(axis=1)]
 
     def _ways(self, known: SpatialMap, truth: Truth, floor: int) -> Iterable[tuple[float, bool]]:
         """Map over true length of the shortest ways that the map knows whole."""
         thin, exact, thick = (_open_space(truth, AGENT_RADIUS_M + side * CELL_M / 2) for side in (-1, 0, 1))
-        z_m = self.place.drawable.house.floors[floor].z_m
-        places = [pose.xy_m for pose in self.poses[::4] if abs(pose.z_m - z_m) < 0.05]
-        places = [places[k] for k in range(0, len(places), max(1, len(places) // 12))]
-        start = self.poses[0]
+        start, z_m = self.walked.start, self._floors[floor].z_m
+        places = [stop.pose.xy_m for stop in self.walked.stops if abs(stop.pose.z_m - z_m) < 0.05]
+        places = places[:: max(1, len(places) // 12)]
         for a in places[::3]:
-            fields = [grid.field(a - truth.origin_m) for grid in (thin, exact, thick)]
+            fields = [space.field(a - truth.origin_m) for space in (thin, exact, thick)]
             for b in places:
                 way = fields[1].path_to(b - truth.origin_m) + truth.origin_m
                 if math.dist(a, b) < 2.0 or len(way) < 2:
                     continue
                 dense = np.concatenate([p + np.linspace(0, 1, 50)[:, None] * (q - p) for p, q in pairwise(way)])
-                if not known.is_free(to_episode(start, dense)).all():
-                    continue
-                found = known.geodesic_m(to_episode(start, a[None])[0], to_episode(start, b[None])[0])
-                low, high = (_length(fields[k].path_to(b - truth.origin_m)) for k in (0, 2))
-                yield found / _length(way), 0.95 * low <= found <= 1.05 * high
+                if known.is_free(to_episode(start, dense)).all():
+                    found = known.geodesic_m(to_episode(start, a[None])[0], to_episode(start, b[None])[0])
+                    low, high = (_length(fields[k].path_to(b - truth.origin_m)) for k in (0, 2))
+                    yield found / _length(way), 0.95 * low <= found <= 1.05 * high
 
 
 def _open_space(truth: Truth, radius_m: float) -> FreeGrid:

@@ -1,88 +1,116 @@
-"""A scripted walk through a whole furnished house: shortest ways from room to room, looking around in each and on the way."""
+"""A scripted walk through a furnished house where the body fits by everything that the map knows of: the truth's own geometry."""
 
 from __future__ import annotations
 
-import itertools
+import copy
 import math
 from collections.abc import Iterator
-from itertools import pairwise
+from dataclasses import dataclass, replace
 
 import numpy as np
+from house_truth import Truth, truth_of
 
-from spacevln.core import Camera, Observation, Pose
-from spacevln.environments.houses.environment import Place
-from spacevln.environments.houses.rendering import make_renderer, renderer_info
+from spacevln.core import Camera, EpisodeSpec, InstructionTask, Observation, Pose
+from spacevln.environments.houses.environment import HousesEnvironment, Place, load_place
+from spacevln.environments.houses.ground.walkable import RESOLUTION_M
+from spacevln.environments.houses.plan import Rect, Room
 from spacevln.environments.houses.walking.geodesics import Geodesics
+from spacevln.testing.walks import scripted_walk
 
 CAMERA = Camera(320, 240, 79.0, 0.88)
-STEP_M = 0.25
-_LOOK_AGAIN_M = 8.0
+VIEWS = 12  # of a look-around, as the agent makes it
+_BODY_M = 0.13  # the walker's way keeps it from everything 0.15 to 1.30 m over the floor
 
 
-def walk_poses(place: Place, seed: int, rooms: int | None = None) -> list[Pose]:
-    """Poses in the scene frame: every room of every floor (or so many of the first), floor by floor, the nearest next."""
-    rng = np.random.default_rng([seed, 77])
-    geodesics, ground = Geodesics(place.ground), place.ground
-    at, poses, since_m, yaw = _standing_points(place, rng), [], math.inf, float(rng.uniform(-math.pi, math.pi))
-    here = at[0].pop(0)
-    for target in list(itertools.islice(itertools.chain([here], _nearest_next(here, at)), rooms)):
-        path = geodesics.path(here, target) if target != here else np.array([here])
-        for k, (x, y, z_hint) in enumerate(_every_step(path)):
-            z = ground.floor_height_m(x, y, z_hint)
-            if poses and k:
-                moved = math.dist((x, y), (poses[-1].x_m, poses[-1].y_m))
-                yaw = math.atan2(y - poses[-1].y_m, x - poses[-1].x_m) if moved > 0.01 else yaw
-            poses.append(Pose(x, y, z, yaw))
-            since_m += STEP_M
-            level = any(abs(z - floor.z_m) < 0.05 for floor in place.drawable.house.floors)
-            if level and (since_m > _LOOK_AGAIN_M or (k and k == len(path) - 1)):
-                poses += [poses[-1].turned(turn * math.pi / 6) for turn in range(1, 12)]
-                since_m = 0.0
-        poses += [poses[-1].turned(turn * math.pi / 6) for turn in range(1, 12)] if since_m else []
-        since_m = 0.0
-        here = target if len(path) else here
-    return poses
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A place on the walk and what is seen there: one image, or all of a look-around.
+
+    Args:
+        pose: scene frame.
+        room: that holds it; None on a threshold or on stairs.
+        poses: of the images, scene frame.
+    """
+
+    pose: Pose
+    room: Room | None
+    poses: tuple[Pose, ...]
+
+    @property
+    def looks_around(self) -> bool:
+        return len(self.poses) > 1
 
 
-def _standing_points(place: Place, rng: np.random.Generator) -> list[list[tuple[float, float, float]]]:
-    """Per floor, one point to stand on in every room."""
-    found = []
-    for floor, space in zip(place.drawable.house.floors, place.ground.floors, strict=True):
-        points = np.array(space.origin_m) + (np.argwhere(space.clearance_m >= 0.2) + 0.5) * 0.05
-        rooms = [room for room in place.drawable.house.rooms if room.floor == floor.index]
-        inside = [[p for p in points if room.contains(p[0], p[1], 0.2)] for room in rooms]
-        picked = [some[int(rng.integers(len(some)))] for some in inside if some]
-        found.append([(float(p[0]), float(p[1]), floor.z_m) for p in picked])
-    return found
+@dataclass(frozen=True, slots=True, eq=False)
+class WalkedHouse:
+    """A house, what stands in it, and a walk through it.
+
+    Args:
+        truths: of every storey.
+        stops: in order.
+    """
+
+    place: Place
+    truths: tuple[Truth, ...]
+    stops: tuple[Stop, ...]
+
+    @property
+    def start(self) -> Pose:
+        """The first pose: origin of the episode frame."""
+        return self.stops[0].poses[0]
+
+    @property
+    def poses(self) -> list[Pose]:
+        """Of all images, scene frame."""
+        return [pose for stop in self.stops for pose in stop.poses]
 
 
-def _nearest_next(
-    here: tuple[float, float, float], floors: list[list[tuple[float, float, float]]]
-) -> Iterator[tuple[float, float, float]]:
-    for left in floors:
-        while left:
-            here = min(left, key=lambda point: math.dist(point, here))
-            left.remove(here)
-            yield here
+def walk(seed: int, rooms: int | None = None) -> WalkedHouse:
+    """Through every room of every floor, or so many: an image every half metre, a look-around in each room and every 4 m."""
+    place = load_place(f"house-{seed:06d}")
+    truths = tuple(truth_of(place, floor.index) for floor in place.drawable.house.floors)
+    stops: list[Stop] = []
+    pending = False
+    stands = scripted_walk(_true_geodesics(place, truths), seed, every_m=4.0, rooms=rooms)
+    for number, stand in enumerate(stands):
+        pending = pending or stand.looks_around
+        if pending and stand.room is not None:
+            stops.append(Stop(stand.pose, stand.room, tuple(stand.pose.turned(k * math.tau / VIEWS) for k in range(VIEWS))))
+            pending = False
+        elif number % 2 == 0 or stand.room is None:
+            stops.append(Stop(stand.pose, stand.room, (stand.pose,)))
+    return WalkedHouse(place, truths, tuple(stops))
 
 
-def _every_step(path: np.ndarray) -> list[tuple[float, float, float]]:
-    points = [tuple(path[0].tolist())] if len(path) else []
-    for a, b in pairwise(path):
-        n = max(1, math.ceil(math.dist(a[:2], b[:2]) / STEP_M))
-        points += [tuple((a + (b - a) * k / n).tolist()) for k in range(1, n + 1)]
-    return points
+def _true_geodesics(place: Place, truths: tuple[Truth, ...]) -> Geodesics:
+    """The house's ways, less those past what its collision model leaves out, such as a door knob at the height of the eye."""
+    ground = copy.copy(place.ground)
+    spaces = []
+    for space, truth in zip(ground.floors, truths, strict=True):
+        i, j = np.indices(space.clearance_m.shape).reshape(2, -1)
+        centres = np.array(space.origin_m) + (np.stack([i, j], axis=1) + 0.5) * RESOLUTION_M
+        clear = truth.at(truth.distance_m, centres).reshape(space.clearance_m.shape).astype(np.float32)
+        for stairs in place.drawable.house.stairs:
+            r = stairs.rect
+            on_flight = space.cells_of(Rect(r.x0 - 0.3, r.y0 - 0.3, r.x1 + 0.3, r.y1 + 0.3))
+            clear[on_flight] = space.clearance_m[on_flight]  # steps are no obstacles
+        spaces.append(replace(space, clearance_m=np.minimum(space.clearance_m, clear)))
+    ground.floors = tuple(spaces)
+    return Geodesics(ground, _BODY_M)
 
 
-def look(place: Place, poses: list[Pose], camera: Camera = CAMERA) -> Iterator[Observation]:
-    """What the camera sees at each pose, in the episode frame of the first one."""
-    renderer = make_renderer(renderer_info("auto"), place.drawable, camera.width_px, camera.height_px)
-    for pose in poses:
-        T_scene_camera = pose.T_world_body
-        T_scene_camera[2, 3] += camera.height_m
-        frame = renderer.render(T_scene_camera, camera)
-        yield Observation(frame.rgb, frame.depth_m, pose.relative_to(poses[0]), camera)
-    renderer.close()
+def look(walked: WalkedHouse, camera: Camera = CAMERA) -> Iterator[tuple[Stop, list[Observation]]]:
+    """What the camera sees at each stop, in the episode frame of the first pose."""
+    house = walked.place.drawable.house
+    environment = HousesEnvironment(camera, load=lambda _: walked.place)
+
+    def image(pose: Pose) -> Observation:
+        seen = environment.reset(EpisodeSpec("", house.name, pose, InstructionTask("look")))
+        return replace(seen, pose=pose.relative_to(walked.start), T_world_camera=None)
+
+    for stop in walked.stops:
+        yield stop, [image(pose) for pose in stop.poses]
+    environment.close()
 
 
 def to_scene(start: Pose, xy_m: np.ndarray) -> np.ndarray:

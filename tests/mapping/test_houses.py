@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from house_scores import Witness
-from house_walks import CAMERA, look, walk_poses
+from house_walks import CAMERA, look, walk
 
 from spacevln.core import Camera, Observation, Pose
 from spacevln.environments.houses.environment import load_place
@@ -20,12 +20,13 @@ FULL = Camera(640, 480, 79.0, 0.88)
 
 
 def check(seed: int, camera: Camera, rooms: int | None = None) -> None:
-    place = load_place(f"house-{seed:06d}")
-    poses = walk_poses(place, seed, rooms)
-    witness, world_map = Witness(place, poses, np.random.default_rng(seed)), MetricMap()
-    for pose, observation in zip(poses, look(place, poses, camera), strict=True):
-        world_map.integrate(observation)
-        witness.see(pose, observation)
+    walked = walk(seed, rooms)
+    witness, world_map = Witness(walked, np.random.default_rng(seed)), MetricMap()
+    for stop, images in look(walked, camera):
+        for pose, image in zip(stop.poses, images, strict=True):
+            world_map.integrate(image)
+            witness.see(pose, image)
+    place, poses = walked.place, walked.poses
     storeys = sorted({place.ground.floor_index(pose.x_m, pose.y_m, pose.z_m) for pose in poses})
     assert world_map.floors == tuple(storeys)
     assert len(world_map.connectors) == len(storeys) - 1
@@ -36,7 +37,7 @@ def check(seed: int, camera: Camera, rooms: int | None = None) -> None:
         assert score.free >= 0.98, (seed, floor, score.free)
         assert score.explored >= 0.97, (seed, floor, score.explored)
         # A gap as wide as the body and less than a cell more can be open on the map and closed in truth, or the other way.
-        assert len(score.ways) >= (1 if rooms else 20)
+        assert len(score.ways) >= (1 if rooms else 15)
         assert score.bracketed.all(), (seed, floor, score.ways[~score.bracketed])
         assert np.mean(np.abs(score.ways - 1) <= 0.05) >= 0.95, (seed, floor, sorted(score.ways))
     if len(storeys) == 2:
@@ -50,19 +51,8 @@ def test_the_map_of_some_rooms_is_true(seed: int) -> None:
     check(seed, CAMERA, rooms=3)
 
 
-# The walk passes below what hangs above 0.95 m, as the houses' collision model allows; map and truth mind it up to 1.30 m.
-UNTRUE = {
-    2: "the walk leads the body through what stands there in truth, so the map calls it free: one way is 8 % short",
-    20: "the walk passes an open door with 5 cm of clearance, so the map calls the gap free: a fifth of the ways is 21 % short",
-}
-HOUSES = [
-    pytest.param(seed, marks=pytest.mark.xfail(reason=UNTRUE[seed], raises=AssertionError) if seed in UNTRUE else ())
-    for seed in range(1, 31)
-]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", HOUSES)
+@pytest.mark.parametrize("seed", range(1, 31))
 def test_the_map_of_a_whole_house_is_true(seed: int) -> None:
     check(seed, FULL if seed % 10 == 0 else CAMERA)
 

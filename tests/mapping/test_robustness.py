@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from house_walks import CAMERA, look, walk_poses
+from house_walks import CAMERA, look, walk
 from noise import Trouble, redwood, troubled
 from worlds import look as look_at
 from worlds import room
 
-from spacevln.core import Pose
-from spacevln.environments.houses.environment import load_place
+from spacevln.core import Observation, Pose
 from spacevln.mapping import MetricMap
 
 ALL = Trouble(pose=1.0, depth=1.0, holes=0.1, dropped=0.2)
@@ -37,6 +36,12 @@ def test_a_noisy_room_is_still_a_room() -> None:
     assert world_map.floors == (0,)
 
 
+@pytest.fixture(scope="module")
+def frames() -> list[Observation]:
+    """Of four rooms of a house."""
+    return [image for _, images in look(walk(5, rooms=4)) for image in images]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "trouble",
@@ -49,9 +54,7 @@ def test_a_noisy_room_is_still_a_room() -> None:
         Trouble(pose=3.0, depth=3.0, holes=0.3, dropped=0.5),
     ],
 )
-def test_a_troubled_walk_neither_fails_nor_grows(trouble: Trouble) -> None:
-    place = load_place("house-000005")
-    frames = list(look(place, walk_poses(place, 5, rooms=4), CAMERA))
+def test_a_troubled_walk_neither_fails_nor_grows(trouble: Trouble, frames: list[Observation]) -> None:
     clean, noisy = MetricMap(), MetricMap()
     for frame in frames:
         clean.integrate(frame)
