@@ -7,9 +7,11 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from plain_space import PlainSpace, context
 
-from spacevln.core import Pose
-from spacevln.reasoning.rules.flights import BEFORE_M, BEYOND_M, STOREY_M, Crossing, flight_of, leads_of, open_end
+from spacevln.core import Feedback, ObjectGoalTask, Pose, StageEnd, StageRecord
+from spacevln.reasoning.rules import RulePlanner
+from spacevln.reasoning.rules.flights import BEFORE_M, BEYOND_M, STOREY_M, Crossing, Flight, flight_of, leads_of, open_end
 from spacevln.reasoning.rules.sightings import Thing
 
 RUN_M, RISE_M, STEPS = 0.28, 0.187, 15
@@ -108,3 +110,23 @@ def test_on_the_steps_the_flight_leads_where_one_has_gone() -> None:
 
 def test_what_does_not_climb_is_given_up() -> None:
     assert not crossing((1.0, 0.0)).go_on(Pose(0.9, 0.0))
+
+
+def test_near_the_end_what_stands_in_the_way_ends_the_flight() -> None:
+    flight = crossing((5.0, 0.0))
+    assert flight.go_on(Pose(3.5, 0.0, -2.4, 0.0))
+    assert not flight.go_on(Pose(3.5, 0.0, -2.4, 0.0))
+
+
+def test_the_entry_that_a_stage_was_for_is_entered_though_its_steps_are_out_of_the_image() -> None:
+    hall, start = PlainSpace([(-2, -2, 2, 2)]), Pose(0.0, 0.0, 0.0, 0.0)
+    planner = RulePlanner()
+    first = planner.plan(context(ObjectGoalTask("sofa"), start, hall, [])).subtask
+    planner._state.entering, planner._state.target = Flight((1.0, 0.0), (6.0, 0.0), "up"), (0, (1.0, 0.0))
+    there = Pose(0.9, 0.0, 0.0, 0.0)
+    feedback = Feedback(first, StageRecord(start=start), (), StageEnd.ARRIVAL)
+    second = planner.plan(
+        context(ObjectGoalTask("sofa"), there, hall, [], stage=1, last_subtask=first, feedback=feedback)
+    ).subtask
+    assert second.target_m == (6.0, 0.0, STOREY_M)
+    assert planner._state.entering is None

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from spacevln.core import Pose
-from spacevln.reasoning.rules.lattice import BODY_M, STEP_M, Run, first_run, straight_guide
+from spacevln.reasoning.rules.lattice import BODY_M, Gait, Run, first_run, straight_guide
 
+GAIT = Gait()
 NO_BUMPS = np.empty((0, 2))
 
 
@@ -29,13 +30,13 @@ def drive(obstacles: Obstacles, pose: Pose, target: tuple[float, float], most: i
     runs = []
     way = straight_guide(pose.xy_m, np.array(target))
     for _ in range(most):
-        run = first_run(obstacles, NO_BUMPS, pose, way, np.array(target), 0.2, 1.25, (True, True))
+        run = first_run(GAIT, obstacles, NO_BUMPS, pose, way, np.array(target), 0.2, 1.25, (True, True))
         if run == Run() or pose.distance_m(*target) <= 0.2:
             return runs
         runs.append(run)
         pose = Pose(
-            pose.x_m + run.forwards * STEP_M * math.cos(pose.yaw_rad),
-            pose.y_m + run.forwards * STEP_M * math.sin(pose.yaw_rad),
+            pose.x_m + run.forwards * GAIT.step_m * math.cos(pose.yaw_rad),
+            pose.y_m + run.forwards * GAIT.step_m * math.sin(pose.yaw_rad),
             0.0,
             pose.yaw_rad + run.turns * math.pi / 6,
         )
@@ -80,8 +81,8 @@ def test_what_was_bumped_into_is_walked_around() -> None:
     pose, target = Pose(0, 0, 0, 0), np.array((1.5, 0.0))
     guide = straight_guide(pose.xy_m, target)
     bumps = np.array([(0.15, y) for y in (-0.05, 0.0, 0.05)])
-    assert first_run(Obstacles(), NO_BUMPS, pose, guide, target, 0.2, 1.25, (True, True)).forwards == 5
-    run = first_run(Obstacles(), bumps, pose, guide, target, 0.2, 1.25, (True, True))
+    assert first_run(GAIT, Obstacles(), NO_BUMPS, pose, guide, target, 0.2, 1.25, (True, True)).forwards == 5
+    run = first_run(GAIT, Obstacles(), bumps, pose, guide, target, 0.2, 1.25, (True, True))
     assert run.forwards == 0
     assert run.turns
 
@@ -89,12 +90,12 @@ def test_what_was_bumped_into_is_walked_around() -> None:
 def test_admissible_actions_bind_the_first_run_only() -> None:
     pose, target = Pose(0, 0, 0, 0), np.array((2.0, 0.0))
     guide = straight_guide(pose.xy_m, target)
-    assert first_run(Obstacles(), NO_BUMPS, pose, guide, target, 0.2, 0.5, (True, True)).forwards <= 2
+    assert first_run(GAIT, Obstacles(), NO_BUMPS, pose, guide, target, 0.2, 0.5, (True, True)).forwards <= 2
     behind = np.array((-1.5, 0.3))
     back = straight_guide(pose.xy_m, behind)
-    assert first_run(Obstacles(), NO_BUMPS, pose, back, behind, 0.2, 1.25, (True, False)).turns > 0
-    assert first_run(Obstacles(), NO_BUMPS, pose, back, behind, 0.2, 1.25, (False, True)).turns < 0
-    assert first_run(Obstacles(), NO_BUMPS, pose, guide, target, 0.2, 0.0, (False, False)) == Run()
+    assert first_run(GAIT, Obstacles(), NO_BUMPS, pose, back, behind, 0.2, 1.25, (True, False)).turns > 0
+    assert first_run(GAIT, Obstacles(), NO_BUMPS, pose, back, behind, 0.2, 1.25, (False, True)).turns < 0
+    assert first_run(GAIT, Obstacles(), NO_BUMPS, pose, guide, target, 0.2, 0.0, (False, False)) == Run()
 
 
 def test_out_of_a_place_too_tight_to_stand_in() -> None:
@@ -103,3 +104,11 @@ def test_out_of_a_place_too_tight_to_stand_in() -> None:
 
     runs = drive(Obstacles(corner), Pose(0, 0, 0, 0), (1.0, 0.0))
     assert runs == [Run(forwards=4)]
+
+
+def test_a_body_of_eight_headings_and_longer_steps() -> None:
+    robot, pose, target = Gait(step_m=0.5, headings=8, run=3), Pose(0, 0, 0, 0), np.array((0.0, 1.5))
+    guide = straight_guide(pose.xy_m, target)
+    assert first_run(robot, Obstacles(), NO_BUMPS, pose, guide, target, 0.2, 1.5, (True, True)) == Run(turns=2)
+    left = Pose(0, 0, 0, math.pi / 2)
+    assert first_run(robot, Obstacles(), NO_BUMPS, left, guide, target, 0.2, 1.5, (True, True)) == Run(forwards=3)

@@ -6,11 +6,11 @@ import pytest
 from plain_space import PlainSpace, context, seen
 
 from spacevln.core import Feedback, ObjectGoalTask, PlannerReply, Pose, Sighting, StageEnd, StageRecord
-from spacevln.language import FREE_FLOOR_M2, ROOM_SHARES, chance_in_room
+from spacevln.language import FREE_FLOOR_M2, LOWER_STOREY, ROOM_SHARES, chance_in_room
 from spacevln.language.object_rooms import OBJECT_ROOMS, OPENS_ON
 from spacevln.reasoning.rules import RulePlanner
 from spacevln.reasoning.rules.beliefs import Beliefs
-from spacevln.reasoning.rules.object_goal import Match, match
+from spacevln.reasoning.rules.instances import Match, match
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World
 
@@ -53,7 +53,7 @@ def test_a_goal_is_found_by_its_name_and_a_mere_kind_of_it_is_told_apart(goal: s
 
 def test_rooms_of_the_tables_are_known_types_and_chances_are_chances() -> None:
     assert sum(ROOM_SHARES.values()) == pytest.approx(1.0, abs=0.03)
-    assert set(OPENS_ON) <= set(ROOM_SHARES) == set(FREE_FLOOR_M2)
+    assert set(OPENS_ON) <= set(ROOM_SHARES) == set(FREE_FLOOR_M2) == set(LOWER_STOREY)
     assert {room for rooms in OPENS_ON.values() for room in rooms} <= set(ROOM_SHARES)
     assert all(0 < chance <= 1 for rooms in OBJECT_ROOMS.values() for chance in rooms.values())
     assert chance_in_room("couch", "living room") > 0.8 > 0.1 > chance_in_room("couch", "bathroom") > 0
@@ -71,6 +71,20 @@ def test_what_is_seen_of_a_room_changes_what_it_may_hold() -> None:
     assert stove.holds(unseen, dining) > stove.holds(unseen)  # dining rooms open on kitchens
     assert 0 <= stove.leads_on(bathroom) < stove.leads_on(unseen, dining) <= 1
     assert 0 < stove.on_another_storey() < 1
+
+
+def test_one_cooks_below_and_sleeps_above() -> None:
+    def chances(leads: set[str], goal: str) -> tuple[float, float]:
+        home = world()
+        home.leads_from = lambda _: leads  # type: ignore[method-assign]
+        beliefs = Beliefs(home, goal)
+        return beliefs.on_another_storey(), beliefs.holds(0)
+
+    upstairs, downstairs = chances({"down"}, "stove"), chances({"up"}, "stove")
+    assert upstairs[0] > 2 * downstairs[0]
+    assert upstairs[1] < downstairs[1] / 2
+    assert chances({"up"}, "bed")[0] > chances({"down"}, "bed")[0]
+    assert chances(set(), "stove") == chances({"up", "down"}, "stove")
 
 
 def test_the_search_goes_where_the_object_may_be() -> None:

@@ -21,7 +21,7 @@ from spacevln.core import (
 )
 from spacevln.environments.houses.environment import HousesEnvironment
 from spacevln.perception import LabelDetector
-from spacevln.reasoning.rules import RuleExecutor, RulePlanner
+from spacevln.reasoning.rules import Gait, RuleExecutor, RulePlanner
 from spacevln.reasoning.spatial_cot import ExecutorPrompt, ModelExecutor, ModelPlanner, PlannerPrompt, PromptSettings
 
 
@@ -96,7 +96,7 @@ def _planner(configuration: Configuration, spec: EnvironmentSpec, models: Mappin
 
 def _executor(configuration: Configuration, spec: EnvironmentSpec, models: Mapping[Role, ChatModel]) -> Executor:
     if configuration.executor == "rules":
-        return RuleExecutor()
+        return RuleExecutor(Gait.of(spec))
     return ModelExecutor(_model(models, Role.EXECUTOR), ExecutorPrompt(prompt_settings(configuration), spec))
 
 

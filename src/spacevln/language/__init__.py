@@ -16,13 +16,14 @@ from spacevln.language.grounding import (
     region_scores,
     same_thing,
 )
-from spacevln.language.object_rooms import FREE_FLOOR_M2, OPENS_ON, ROOM_SHARES, SINGLE_ROOMS, chance_in_room
+from spacevln.language.object_rooms import FREE_FLOOR_M2, LOWER_STOREY, OPENS_ON, ROOM_SHARES, SINGLE_ROOMS, chance_in_room
 from spacevln.language.phrases import NounPhrase
 from spacevln.language.regions_lexicon import REGION_CUES
 from spacevln.language.vocabulary import NounKind
 
 __all__ = [
     "FREE_FLOOR_M2",
+    "LOWER_STOREY",
     "OPENS_ON",
     "REGION_CUES",
     "ROOM_SHARES",

@@ -47,6 +47,26 @@ FREE_FLOOR_M2 = MappingProxyType(
     }
 )
 
+# share of a type's rooms that lie on the lower storey of a home with two: one lives and cooks below and sleeps above
+LOWER_STOREY = MappingProxyType(
+    {
+        "bedroom": 0.15,
+        "bathroom": 0.35,
+        "hallway": 0.5,
+        "living room": 0.93,
+        "kitchen": 0.97,
+        "dining room": 0.95,
+        "closet": 0.35,
+        "office": 0.5,
+        "laundry room": 0.65,
+        "library": 0.5,
+        "garage": 0.98,
+        "gym": 0.5,
+        "playroom": 0.4,
+        "balcony": 0.5,
+    }
+)
+
 # types that a home seldom has twice on one storey
 SINGLE_ROOMS = frozenset(
     ("kitchen", "living room", "dining room", "laundry room", "office", "library", "garage", "gym", "playroom", "balcony")

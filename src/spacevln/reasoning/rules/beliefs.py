@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from spacevln.language import FREE_FLOOR_M2, OPENS_ON, ROOM_SHARES, SINGLE_ROOMS, chance_in_room
+from spacevln.language import FREE_FLOOR_M2, LOWER_STOREY, OPENS_ON, ROOM_SHARES, SINGLE_ROOMS, chance_in_room
 from spacevln.reasoning.rules.grid import NOWHERE
 from spacevln.reasoning.rules.world import World
 
@@ -29,6 +29,8 @@ class Beliefs:
     def __init__(self, world: World, goal: str) -> None:
         self._world = world
         self._chance = {region: chance_in_room(goal, region) if goal else 0.5 for region in ROOM_SHARES}
+        leads = world.leads_from(world.floor)
+        self._lower = None if len(leads) != 1 else leads == {"up"}  # a home with more than two storeys tells nothing
         self._taken: dict[str, set[int]] = {region: set() for region in SINGLE_ROOMS}
         for floor, room in sorted(world.visited_rooms):
             region = world.region(floor, room) if room and floor == world.floor else ""
@@ -57,10 +59,11 @@ class Beliefs:
         """How likely a room behind another one is of each type, before it is seen."""
         region = self._world.region(self._world.floor, before) if before else ""
         opens = OPENS_ON.get(region)
-        if opens is None:
-            return dict(ROOM_SHARES)
-        total = sum(opens.values())
-        return {name: opens.get(name, 0.0) / total + LEAST_SHARE * share for name, share in ROOM_SHARES.items()}
+        shares = dict(ROOM_SHARES)
+        if opens is not None:
+            total = sum(opens.values())
+            shares = {name: opens.get(name, 0.0) / total + LEAST_SHARE * share for name, share in ROOM_SHARES.items()}
+        return _on_storey(shares, self._lower)
 
     def holds(self, room: int, before: int = NOWHERE) -> float:
         """Chance that a room holds the object, whatever was seen of it."""
@@ -85,4 +88,13 @@ class Beliefs:
 
     def on_another_storey(self) -> float:
         """Chance that a storey that was never entered holds the object."""
-        return 1.0 - (1.0 - self.holds(NOWHERE)) ** ROOMS_ON_A_STOREY
+        shares = _on_storey(dict(ROOM_SHARES), None if self._lower is None else not self._lower)
+        in_room = sum(share * self._chance[region] for region, share in shares.items()) / sum(shares.values())
+        return 1.0 - (1.0 - in_room) ** ROOMS_ON_A_STOREY
+
+
+def _on_storey(shares: dict[str, float], lower: bool | None) -> dict[str, float]:
+    """Shares of the types of rooms on the lower or upper of two storeys; as they are where that is not known."""
+    if lower is None:
+        return shares
+    return {name: share * (LOWER_STOREY[name] if lower else 1.0 - LOWER_STOREY[name]) for name, share in shares.items()}

@@ -21,12 +21,11 @@ from spacevln.core import (
     describe,
 )
 from spacevln.reasoning.rules.grid import comfortable_guide
-from spacevln.reasoning.rules.lattice import STEP_M, first_run, straight_guide
+from spacevln.reasoning.rules.lattice import Gait, first_run, straight_guide
 
 Float = NDArray[np.float64]
-TURN_DEG = 30.0
 TURN_BACK_DEG = 120.0
-TURNS_BACK = 2  # more of them in a stage gain nothing
+TURNS_BACK = 1  # more of them in a stage gain nothing
 ARRIVED_M = 0.3
 SHORT_M = 0.1  # of a forward
 BUMP_M = (0.15, 0.05)  # ahead of the body's centre, and to both sides
@@ -35,9 +34,14 @@ OTHER_STOREY_M = 0.5
 
 
 class RuleExecutor:
-    """Implements :class:`spacevln.core.Executor`. Keeps nothing but what the body has bumped into."""
+    """Implements :class:`spacevln.core.Executor`. Keeps nothing but what the body has bumped into.
 
-    def __init__(self) -> None:
+    Args:
+        gait: what the body can do; None is that of the simulators.
+    """
+
+    def __init__(self, gait: Gait | None = None) -> None:
+        self._gait = gait or Gait()
         self._bumps: list[tuple[float, float, float]] = []
 
     def reset(self) -> None:
@@ -66,7 +70,11 @@ class RuleExecutor:
     def _feel(self, context: ExecutorContext) -> None:
         """A forward that fell short hit something: low things close to the body are below the image."""
         last = context.progress.decisions[-1] if context.progress.decisions else None
-        if last is None or not isinstance(last.asked, MoveForward) or last.primitives * STEP_M - last.moved_m < SHORT_M:
+        if (
+            last is None
+            or not isinstance(last.asked, MoveForward)
+            or last.primitives * self._gait.step_m - last.moved_m < SHORT_M
+        ):
             return
         pose = context.observation.pose
         ahead = np.array([math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)])
@@ -85,11 +93,11 @@ class RuleExecutor:
             guide = comfortable_guide(space, pose, (float(target[0]), float(target[1])))
         forward_m = allowed.forward_m[-1] if allowed.forward_m else 0.0
         bumps = np.array([(x, y) for x, y, z in self._bumps if abs(z - pose.z_m) < OTHER_STOREY_M]).reshape(-1, 2)
-        run = first_run(space, bumps, pose, guide, target, near_m, forward_m, (allowed.left, allowed.right))
+        run = first_run(self._gait, space, bumps, pose, guide, target, near_m, forward_m, (allowed.left, allowed.right))
         if run.forwards:
-            return MoveForward(run.forwards * STEP_M), None
+            return MoveForward(run.forwards * self._gait.step_m), None
         if run.turns:
-            angle_deg = abs(run.turns) * TURN_DEG
+            angle_deg = abs(run.turns) * 360.0 / self._gait.headings
             return TurnLeft(angle_deg) if run.turns > 0 else TurnRight(angle_deg), TurnPurpose.ALIGN
         return Stop(), None
 

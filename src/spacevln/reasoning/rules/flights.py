@@ -24,6 +24,7 @@ EDGE_M = 0.32  # the points of a slope begin within a step's run
 FIRST_STEP = 0.9  # of them, in order along the flight: where the foot of the first riser is
 ACROSS_M, ALONG_M = 0.3, 0.7  # this near to its entry one may step onto a flight
 RUN_PER_RISE = 1.5  # of usual stairs
+LAST_STEPS_M = 0.6
 ON_STEPS_M = 0.25  # this much over or under the floor one stands on steps
 ARRIVED_M = 0.6
 MOST_STAGES = 6  # planning boundaries on the steps
@@ -36,6 +37,7 @@ RAIL_END_M = 0.15
 LEAST_POINTS = 8
 LEAST_SHARE = 0.5  # of the points that could be steps, that the slope must explain
 LEAST_RISE_M = 0.15  # from the first to the last of them, up and along: two steps
+STAIRS_SIGHT = Anchor("sight of the stairs", SpaceKind.CONNECTOR)
 STAIRS_ENTRY = Anchor("entry of the stairs", SpaceKind.CONNECTOR)
 
 
@@ -134,6 +136,8 @@ class Crossing:
                 pose.y_m + rest * (pose.y_m - self.last.y_m) / gone,
             )
         self.last = pose
+        if climbed > STOREY_M - LAST_STEPS_M and rose < ON_STEPS_M / 2:
+            return False  # at its end, where something stands in the way that was thought to go on
         if climbed > STOREY_M - ON_STEPS_M:
             return rose > ON_STEPS_M and pose.distance_m(*self.far) > ARRIVED_M
         return climbed > ON_STEPS_M and self.stages <= MOST_STAGES

@@ -15,11 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from spacevln.core import Pose, SpatialMap
+from spacevln.core import EnvironmentSpec, Pose, SpatialMap
 
 Float = NDArray[np.float64]
-HEADINGS = 12
-STEP_M = 0.25
 WINDOW_M = 2.6  # around the pose, that is searched
 HORIZON_M = 2.0  # further on a new decision will be made
 CELL_M = 0.05
@@ -28,11 +26,24 @@ OFF_LINE = 1.2  # metres of a straight way that a metre beside it is worth
 BODY_M = (0.12, 0.07)  # room that is kept beside the body, a disc of 0.1 m; where nothing passes so, it may brush along
 AHEAD_M, AHEAD_ROOM_M = (0.06, 0.13), 0.085  # and before it where it halts: nearer control masks the forward
 DECISION_STEPS = 2.0  # what a decision costs beside its primitives: a stage has few of them
-RUN = 5  # forwards of one decision
 PARTS = 5  # of a forward, that are looked at
 NONE, FORWARD, TURN = 0, 1, 2  # kinds of primitives
 STATE_M = 0.1  # poses this near to each other are one
 WORTH = 0.34  # steps of the way, that a step must gain where the target itself is out of reach
+
+
+@dataclass(frozen=True, slots=True)
+class Gait:
+    """What a body can do: length of a forward [m], headings around it, and forwards of one decision."""
+
+    step_m: float = 0.25
+    headings: int = 12
+    run: int = 5
+
+    @classmethod
+    def of(cls, spec: EnvironmentSpec) -> Gait:
+        """That of an environment's body."""
+        return cls(spec.step_m, spec.lookaround_count, max(1, int(spec.max_forward_m / spec.step_m + 1e-9)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +85,7 @@ def straight_guide(start: Float, target: Float) -> Guide:
 
 
 def first_run(
+    gait: Gait,
     space: SpatialMap | None,
     bumps: Float,
     pose: Pose,
@@ -86,6 +98,7 @@ def first_run(
     """The first decision of the cheapest sequence of primitives.
 
     Args:
+        gait: of the body.
         space: tells the obstacles; None on a flight of stairs, which the map of one storey takes for one.
         bumps: (N, 2) of others, that were felt.
         pose: of the body.
@@ -117,9 +130,12 @@ def first_run(
             float(target[0]) - pose.x_m,
             float(target[1]) - pose.y_m,
             arrived_m,
-            round(forward_m / STEP_M),
+            round(forward_m / gait.step_m),
             turns[0],
             turns[1],
+            gait.step_m,
+            gait.headings,
+            gait.run,
         )
         if turned or went:
             return Run(turned, went)
@@ -148,28 +164,37 @@ def _room(room_m: Float, x: float, y: float) -> float:  # pragma: no cover - com
 
 
 @numba.njit(cache=True)
-def _key(x: float, y: float, heading: int, kind: int) -> int:  # pragma: no cover - compiled
+def _key(x: float, y: float, heading: int, kind: int, headings: int) -> int:  # pragma: no cover - compiled
     """Number of the state that a pose belongs to."""
     side = int(2 * WINDOW_M / STATE_M) + 2
     i, j = int((x + WINDOW_M) / STATE_M + 0.5), int((y + WINDOW_M) / STATE_M + 0.5)
-    return ((i * side + j) * HEADINGS + heading) * 3 + kind
+    return ((i * side + j) * headings + heading) * 3 + kind
 
 
 @numba.njit(cache=True)
 def _price(
-    room_m: Float, body_m: float, guide: Float, start_i: float, start_j: float, cell_m: float, x: float, y: float, yaw_rad: float
+    room_m: Float,
+    body_m: float,
+    guide: Float,
+    start_i: float,
+    start_j: float,
+    cell_m: float,
+    x: float,
+    y: float,
+    yaw_rad: float,
+    step_m: float,
 ) -> float:  # pragma: no cover - compiled
     """What a forward primitive costs, in steps; inf when it hits. Out of a tight place every move that gains room is allowed."""
     before, priced = _room(room_m, x, y), 0.0
     for part in range(1, PARTS + 1):
-        px, py = x + part / PARTS * STEP_M * math.cos(yaw_rad), y + part / PARTS * STEP_M * math.sin(yaw_rad)
+        px, py = x + part / PARTS * step_m * math.cos(yaw_rad), y + part / PARTS * step_m * math.sin(yaw_rad)
         here = _room(room_m, px, py)
         if here < body_m and here < before + 1e-9:
             return math.inf
         before = here
         priced += _between(guide, start_i + px / cell_m, start_j + py / cell_m) / PARTS
     for ahead in AHEAD_M:
-        reach = STEP_M + ahead
+        reach = step_m + ahead
         if _room(room_m, x + reach * math.cos(yaw_rad), y + reach * math.sin(yaw_rad)) < min(AHEAD_ROOM_M, body_m):
             return math.inf
     return priced
@@ -191,47 +216,50 @@ def _search(
     forwards: int,
     may_left: bool,
     may_right: bool,
+    step_m: float,
+    headings: int,
+    longest: int,
 ) -> tuple[int, int]:  # pragma: no cover - compiled
     """(turns, forwards) of the first run. Positions are relative to the body [m]; costs are steps.
 
     A node is (x, y, cost, heading, kind of its last primitive, length of that run, turns and forwards of the first run,
     whether that still goes on).
     """
-    best = np.full(_key(2 * WINDOW_M, 2 * WINDOW_M, HEADINGS, 0), np.inf)
+    best = np.full(_key(2 * WINDOW_M, 2 * WINDOW_M, headings, 0, headings), np.inf)
     begin_m = _between(left_m, start_i, start_j)
     nodes = [(0.0, 0.0, 0.0, 0, NONE, 0, 0, 0, True)]
-    queue = [(begin_m / STEP_M, 0)]
+    queue = [(begin_m / step_m, 0)]
     gained, nearest = 0.0, 0
     while len(queue) > 0:
         number = heapq.heappop(queue)[1]
         x, y, cost, k, kind, run, first_turns, first_forwards, first = nodes[number]
-        if number > 0 and cost > best[_key(x, y, k, kind)] + 1e-9:
+        if number > 0 and cost > best[_key(x, y, k, kind, headings)] + 1e-9:
             continue
         rest_m = _between(left_m, start_i + x / cell_m, start_j + y / cell_m)
         if math.hypot(x - target_x, y - target_y) <= arrived_m or (math.hypot(x, y) >= HORIZON_M and rest_m < begin_m):
             return first_turns, first_forwards
-        gain = (begin_m - rest_m) / STEP_M - WORTH * cost
+        gain = (begin_m - rest_m) / step_m - WORTH * cost
         if gain > gained:
             gained, nearest = gain, number
         for move in range(3):  # forward, left, right
             next_kind = FORWARD if move == 0 else TURN
             side = 0 if move == 0 else 3 - 2 * move
-            goes_on = kind == next_kind and abs(run) < (RUN if move == 0 else HEADINGS // 2)
+            goes_on = kind == next_kind and abs(run) < (longest if move == 0 else headings // 2)
             if kind == TURN and move > 0 and (not goes_on or run * side < 0):
                 continue
             if number == 0 and ((move == 1 and not may_left) or (move == 2 and not may_right)):
                 continue
-            if move == 0 and first and kind != TURN and first_forwards >= forwards and forwards < RUN:
+            if move == 0 and first and kind != TURN and first_forwards >= forwards and forwards < longest:
                 continue
-            heading, next_x, next_y, step = (k + side) % HEADINGS, x, y, 1.0
+            heading, next_x, next_y, step = (k + side) % headings, x, y, 1.0
             if move == 0:
-                yaw = yaw_rad + k * (2 * math.pi / HEADINGS)
-                step = _price(room_m, body_m, weight, start_i, start_j, cell_m, x, y, yaw)
-                next_x, next_y = x + STEP_M * math.cos(yaw), y + STEP_M * math.sin(yaw)
+                yaw = yaw_rad + k * (2 * math.pi / headings)
+                step = _price(room_m, body_m, weight, start_i, start_j, cell_m, x, y, yaw, step_m)
+                next_x, next_y = x + step_m * math.cos(yaw), y + step_m * math.sin(yaw)
             total = cost + step + (0.0 if goes_on else DECISION_STEPS)
-            if not total < best[_key(next_x, next_y, heading, next_kind)] - 1e-9:
+            if not total < best[_key(next_x, next_y, heading, next_kind, headings)] - 1e-9:
                 continue
-            best[_key(next_x, next_y, heading, next_kind)] = total
+            best[_key(next_x, next_y, heading, next_kind, headings)] = total
             still = first and (goes_on or number == 0)
             nodes.append(
                 (
@@ -247,5 +275,5 @@ def _search(
                 )
             )
             to_go_m = _between(left_m, start_i + next_x / cell_m, start_j + next_y / cell_m)
-            heapq.heappush(queue, (total + to_go_m / STEP_M, len(nodes) - 1))
+            heapq.heappush(queue, (total + to_go_m / step_m, len(nodes) - 1))
     return nodes[nearest][6], nodes[nearest][7]

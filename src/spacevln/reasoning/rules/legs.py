@@ -15,6 +15,7 @@ from spacevln.reasoning.rules.sightings import XY, Portal, Thing
 Float = NDArray[np.float64]
 TURN_RAD = math.radians(35)
 CHORD_M = 1.2
+CLIMBED = -10  # and less: the "portal" of a node is a flight of stairs that was walked
 
 
 @dataclass(frozen=True, slots=True)

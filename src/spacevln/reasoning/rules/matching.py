@@ -11,7 +11,8 @@ from spacevln.core import wrap_angle
 from spacevln.language import Clause, ClauseType, NounKind, NounPhrase
 from spacevln.perception.matching import fit
 from spacevln.reasoning.rules.legs import Leg
-from spacevln.reasoning.rules.sightings import Portal, Thing
+from spacevln.reasoning.rules.sightings import Thing
+from spacevln.reasoning.rules.thresholds import Thresholds, side_fits
 from spacevln.reasoning.rules.world import World
 
 T = ClauseType
@@ -38,7 +39,6 @@ PASS_M = 2.5
 SURELY = 0.3  # agreement of a room with a region type
 NEAR_M = 1.5
 STRAIGHT_RAD = math.radians(50)
-SIDE_LOW_RAD, SIDE_HIGH_RAD = math.radians(20), math.radians(165)
 # what an option does with the crossing at the end of a leg; one crossing can leave, go through and enter, each once
 LEAVES, THROUGH, ENTERS = 1, 2, 4
 
@@ -54,14 +54,6 @@ class Option:
     turn: int = -1  # index of the bend that it explains
 
 
-def side_fits(side: str, angle: float) -> float:
-    """1 when a bend is clearly to the side, 0.3 when slightly, -1 when to the other."""
-    signed = angle if side == "left" else -angle
-    if SIDE_LOW_RAD < signed < SIDE_HIGH_RAD:
-        return 1.0
-    return 0.3 if math.radians(8) < signed or abs(angle) >= SIDE_HIGH_RAD else (0.0 if abs(angle) < math.radians(20) else -1.0)
-
-
 def thing_fits(phrase: NounPhrase, thing: Thing) -> float:
     """1 when a thing is what a phrase names, less when attributes are not known, 0 when it is not."""
     verdict = fit(phrase.phrase, thing.category, thing.attributes)
@@ -73,6 +65,7 @@ class Matcher:
 
     def __init__(self, world: World) -> None:
         self.world = world
+        self.thresholds = Thresholds(world)
         self._options: dict[tuple[int, int], list[Option]] = {}
         self._named: dict[tuple[str, int], list[tuple[Thing, float]]] = {}
 
@@ -122,8 +115,8 @@ class Matcher:
         """A "second left" to take is a way out of the space, counted on its side."""
         if not clause.ordinal or leg.kind != "cross" or leg.portal is None:
             return []
-        side, number = self.ordinal(leg, leg.portal)
-        if (side and side != clause.side) or (not side and not self.lies(leg, leg.portal, clause.side)):
+        side, number = self.thresholds.ordinal(leg, leg.portal)
+        if (side and side != clause.side) or (not side and not self.thresholds.lies(leg, leg.portal, clause.side)):
             return []
         agree = 1.3 if number == clause.ordinal else 0.7 if number == 0 and clause.ordinal in (1, -1) else 0.2
         return [Option(leg.length_m, WEIGHT[T.TURN] * agree, THROUGH)]
@@ -225,7 +218,7 @@ class Matcher:
                 d = np.hypot(*(leg.points - np.array(portal.xy)).T)
                 k = int(np.argmin(d))
                 if d[k] < NEAR_M:
-                    found.append(Option(k * 0.2, 0.7 * weight * self.portal_fits(phrase, portal, leg)))
+                    found.append(Option(k * 0.2, 0.7 * weight * self.thresholds.fits(phrase, portal, leg)))
         if phrase.part in ("end", "far end", "other end") and leg.length_m > 1.5:
             found.append(Option(leg.length_m, weight * 0.8))
         return found
@@ -271,7 +264,7 @@ class Matcher:
             return [Option(leg.length_m, 0.7 * weight, ENTERS)]
         if phrase.kind is NounKind.OPENING:
             use = ENTERS if clause.type is T.TO else THROUGH
-            agree = self.portal_fits(phrase, leg.portal, leg)
+            agree = self.thresholds.fits(phrase, leg.portal, leg)
             if phrase.region:
                 agree *= 0.7 + 0.3 * self.world.compatible(phrase.region, leg.node.floor, target)
             own_way = use == THROUGH and not clause.text.startswith("through")  # "enter it through the door" is one crossing
@@ -280,7 +273,7 @@ class Matcher:
             if clause.type is T.THROUGH:
                 return []
             agree = self.world.compatible(phrase.head, leg.node.floor, target)
-            side = self.portal_fits(phrase, leg.portal, leg)
+            side = self.thresholds.fits(phrase, leg.portal, leg)
             score = 0.45 + 0.55 * agree if agree >= 0 else 0.45 + 1.2 * agree
             return [Option(leg.length_m, weight * score * side if score > 0 else weight * score, ENTERS)]
         if phrase.kind is NounKind.GENERIC and clause.type is not T.THROUGH:
@@ -288,7 +281,7 @@ class Matcher:
             return [
                 Option(
                     leg.length_m,
-                    weight * (0.6 - 0.3 * max(hall, 0.0)) * self.portal_fits(phrase, leg.portal, leg),
+                    weight * (0.6 - 0.3 * max(hall, 0.0)) * self.thresholds.fits(phrase, leg.portal, leg),
                     ENTERS,
                 )
             ]
@@ -301,63 +294,6 @@ class Matcher:
             return False
         beyond = self.world.portal_rooms[leg.portal.id][1 - leg.side]
         return clause.type in (T.ALONG, T.ACROSS, T.LEAVE) and self.world.compatible(phrase.head, leg.node.floor, beyond) > SURELY
-
-    def portal_fits(self, phrase: NounPhrase, portal: Portal, leg: Leg) -> float:
-        """Agreement of a portal with a phrase's kind, attributes, side and ordinal: 1 down to 0.1."""
-        score = 1.0
-        if phrase.kind is NounKind.OPENING:
-            if (
-                phrase.attributes
-                and fit(f"{' '.join(phrase.attributes)} {portal.category}", portal.category, portal.attributes) is not None
-            ):
-                verdict = fit(f"{' '.join(phrase.attributes)} {portal.category}", portal.category, portal.attributes)
-                score *= 1.0 if verdict is None or verdict.value > 0.5 else 0.3
-            if phrase.head in ("opening", "archway") and portal.category == "doorway":
-                score *= 0.7
-            if phrase.head == "doorway" and portal.category == "opening":
-                score *= 0.7
-        if phrase.side in ("left", "right"):
-            score *= 1.0 if self.lies(leg, portal, phrase.side) else 0.2
-        if phrase.side == "ahead":
-            bearing = self._bearing(leg, portal)
-            score *= 1.0 if abs(bearing) < math.radians(50) else 0.4
-        if phrase.ordinal and phrase.kind is not NounKind.OBJECT:
-            _, number = self.ordinal(leg, portal)
-            score *= (
-                1.0 if number == phrase.ordinal or (phrase.ordinal == -1 and leg.length_m > 2.0) else 0.8 if number == 0 else 0.35
-            )
-        return score
-
-    def _bearing(self, leg: Leg, portal: Portal) -> float:
-        dx, dy = portal.xy[0] - leg.node.xy[0], portal.xy[1] - leg.node.xy[1]
-        return wrap_angle(math.atan2(dy, dx) - leg.node.yaw_rad)
-
-    def lies(self, leg: Leg, portal: Portal, side: str) -> bool:
-        """Whether a portal lies on a side, seen from the leg's begin or from its main run."""
-        angles = [self._bearing(leg, portal)]
-        if leg.portal is not None and leg.portal.id == portal.id:
-            angles.append(wrap_angle(portal.normal_rad(leg.side) - leg.travel_rad))
-        return any(side_fits(side, angle) >= 1.0 for angle in angles)
-
-    def ordinal(self, leg: Leg, portal: Portal) -> tuple[str, int]:
-        """Side and number of a portal among those beside the leg's run; ("", 0) when it is not beside it."""
-        travel = leg.travel_rad
-        ux, uy = math.cos(travel), math.sin(travel)
-        ranked = []
-        for other, side in self.world.portals_of(leg.node.floor, leg.node.room):
-            if other.id == leg.node.portal:
-                continue
-            turn = wrap_angle(other.normal_rad(side) - travel)
-            if not math.radians(50) < abs(turn) < math.radians(130):
-                continue
-            along = (other.xy[0] - leg.node.xy[0]) * ux + (other.xy[1] - leg.node.xy[1]) * uy
-            ranked.append((along, other.id, "left" if turn > 0 else "right"))
-        mine = next((r for r in ranked if r[1] == portal.id), None)
-        if mine is None:
-            return "", 0
-        same = sorted(r for r in ranked if r[2] == mine[2] and r[0] > -0.3)
-        numbers = [r[1] for r in same]
-        return (mine[2], numbers.index(portal.id) + 1) if portal.id in numbers else ("", 0)
 
     def _sees(self, clause: Clause, leg: Leg) -> list[Option]:
         phrase = clause.place

@@ -5,19 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from enum import IntEnum
 
 import numpy as np
 
-from spacevln.core import PlannerContext, StageEnd
-from spacevln.language import head_noun
-from spacevln.perception.attributes import Agreement
-from spacevln.perception.matching import fit
+from spacevln.core import PlannerContext
 from spacevln.reasoning.rules.beliefs import Beliefs
-from spacevln.reasoning.rules.flights import STAIRS_ENTRY
+from spacevln.reasoning.rules.flights import STAIRS_SIGHT
 from spacevln.reasoning.rules.grid import NOWHERE, resampled
 from spacevln.reasoning.rules.heading import way_length_m
-from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal, Thing
+from spacevln.reasoning.rules.instances import KIND_STEPS, Match, instances, standing_place
+from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World
 
@@ -26,8 +23,9 @@ STUCK = 2  # failed stages to the only place left
 PIECE_M = 1.8
 STAGE_STEPS = 16.0  # a look-around and the turns to the next direction
 STAIRS_STEPS = 30.0
-AT_ENTRY_M = 1.0  # of a flight
-STAIRS = 0.25  # share of homes whose goal is on another storey than the start
+STAIRS = 0.5  # share of homes with stairs whose goal is on another storey than the start
+ON_THE_WAY = 1.5  # a place that the last stage headed for: turning back for a little more costs twice
+SIGHT = 0.5  # what each look for the steps of stairs leaves of their hope
 FAILED = 0.2  # what a failed stage leaves of a place's hope
 AROUND = 0.2  # and one that parts nothing
 GUESSED = 0.6  # and a portal whose threshold was not seen
@@ -37,25 +35,12 @@ OVERLOOKED_M = 1.5  # nor does a place beyond a portal in clear sight of one
 EDGE = 0.5  # a frontier shows a part of a room
 EDGE_UNSEEN = 0.4  # and there is more of a room behind it than its known floor tells
 TIGHT = 0.1  # hope that cannot be reached with the steps left
-STAND_OFF_M = 0.65  # from a goal's nearest surface
-AT_GOAL_M = 0.75
-FAR_M = 1.3  # from a thing's surface: more than a table between
-DETOUR_M = 0.6  # beyond the straight line: something as long as a wall lies between
 GIVEN_UP = 3  # stages to one thing in vain: others first, until few steps are left
 LAST_TRY_STEPS = 60
 VAIN_M = 4.0  # of way, that a stage in vain is worth
-STOOD_M = 0.35  # around a place from which the goal was not confirmed
-KIND_STEPS = 70  # another kind of the goal's genus does when no more steps are left
 
 
 Option = tuple[float, float, "Quest"]  # chance of finding the goal there, steps beside the way, where
-
-
-class Match(IntEnum):
-    """How well a seen thing's name fits the goal's."""
-
-    KIND = 1  # of the same genus: "wall cabinet" for "cabinet"
-    NAME = 2  # the very name or another name of the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,25 +65,6 @@ class Quest:
     thing: int | None = None
 
 
-def match(goal: str, name: str, attributes: tuple[str, ...]) -> Match | None:
-    """How well a thing of a name fits a goal; None when it does not.
-
-    An object goal names a category, so that a qualifier on one side alone makes another kind: a "round table" is a kind of
-    "table", and a "table" need not be round.
-    """
-    if fit(goal, name, attributes) is not Agreement.AGREED:
-        return None
-    wanted, found = _words(goal), _words(name)
-    if wanted == found:
-        return Match.NAME
-    qualified = found[-len(wanted) :] == wanted or wanted[-len(found) :] == found
-    return Match.NAME if head_noun(goal) == head_noun(name) and not qualified else Match.KIND
-
-
-def _words(name: str) -> list[str]:
-    return name.lower().replace("-", " ").split()
-
-
 def find_object(context: PlannerContext, world: World, goal: str, state: EpisodeState) -> Quest | None:
     """The next place of the search; None when nothing is left to look at."""
     found = _seen_instance(context, world, goal, state, Match.NAME) if goal else None
@@ -109,57 +75,9 @@ def find_object(context: PlannerContext, world: World, goal: str, state: Episode
     return found or (_seen_instance(context, world, goal, state, Match.KIND) if goal else None)
 
 
-def at_goal(context: PlannerContext, world: World, goal: str) -> bool:
-    """Whether an instance of the goal is in view within arm's reach, or the last stage arrived at one that is that near."""
-    least = Match.NAME if context.steps_left >= KIND_STEPS else Match.KIND
-    for view in context.views:
-        for sighting in view.sightings:
-            verdict = match(goal, sighting.category, sighting.attributes)
-            if verdict is not None and verdict >= least and sighting.distance_m <= AT_GOAL_M:
-                return True
-    arrived = (
-        context.feedback is not None
-        and context.feedback.end is StageEnd.ARRIVAL
-        and context.last_subtask is not None
-        and context.last_subtask.targets_final_anchor
-    )
-    here = (context.pose.x_m, context.pose.y_m)
-    return arrived and any(
-        float(thing.distance_m(np.array([here]))[0]) <= AT_GOAL_M + 0.1 and _on_its_side(context, thing, here)
-        for thing in _instances(world, goal, least)
-    )
-
-
-def _before(context: PlannerContext, thing: Thing) -> XY | None:
-    """The known reachable floor nearest to a thing on the line along which it was first seen; None when there is none."""
-    (x, y), eye = min(thing.surface or [thing.xy], key=lambda p: math.dist(p, thing.seen_from)), thing.seen_from
-    reach = math.dist((x, y), eye)
-    for along in np.arange(0.3, reach, 0.15) / max(reach, 0.3):
-        xy = (x + float(along) * (eye[0] - x), y + float(along) * (eye[1] - y))
-        if math.isfinite(context.space.geodesic_m(context.pose.xy_m, np.array(xy))):
-            return xy
-    return None
-
-
-def _on_its_side(context: PlannerContext, thing: Thing, xy: XY) -> bool:
-    """Whether a place lies on the side of a wall from which a thing was seen: no long way around to the floor before it."""
-    before = _before(context, thing)
-    if before is None:
-        return True
-    return context.space.geodesic_m(np.array(xy), np.array(before)) <= math.dist(xy, before) + DETOUR_M
-
-
-def _instances(world: World, goal: str, least: Match) -> Iterator[Thing]:
-    for thing in world.sightings.things:
-        if thing.floor == world.floor:
-            verdicts = [verdict for name in thing.names if (verdict := match(goal, name, thing.attributes)) is not None]
-            if verdicts and max(verdicts) >= least:
-                yield thing
-
-
 def _seen_instance(context: PlannerContext, world: World, goal: str, state: EpisodeState, least: Match) -> Quest | None:
     best: tuple[float, Quest] | None = None
-    for thing in _instances(world, goal, least):
+    for thing in instances(world, goal, least):
         xy = standing_place(context, world, thing, state)
         if xy is None:
             continue
@@ -172,57 +90,22 @@ def _seen_instance(context: PlannerContext, world: World, goal: str, state: Epis
     return None if best is None else best[1]
 
 
-def standing_place(context: PlannerContext, world: World, thing: Thing, state: EpisodeState) -> XY | None:
-    """A free place to stand before a thing, at ``STAND_OFF_M`` from its seen surface; None when there is none.
-
-    Preferred are places in the room it was seen in, on the side from which it was seen, with room around them, near the agent,
-    and away from where the agent already stood in vain.
-    """
-    before = _before(context, thing)
-    if (
-        before is not None
-        and not state.failed(world.floor, before)
-        and not state.spent(world.floor, before)
-        and float(thing.distance_m(np.array([before]))[0]) > FAR_M
-        and context.pose.distance_m(*before) > STOOD_M
-    ):
-        return before  # the floor at its feet is not known yet
-    grid = world.grids[world.floor]
-    cells = np.argwhere(grid.rooms > 0)
-    centres = grid.origin + (cells + 0.5) * 0.15
-    near = np.hypot(*(centres - np.array(thing.xy)).T) < 1.8 + thing.extent_m
-    cells, centres = cells[near], centres[near]
-    if not len(centres):
-        return before
-    distance = thing.distance_m(centres)
-    clear = grid.clearance_m[cells[:, 0], cells[:, 1]]
-    room = world.room_of_thing[thing.id][1]
-    elsewhere = grid.rooms[cells[:, 0], cells[:, 1]] != room if room else np.zeros(len(cells), dtype=np.bool_)
-    eye, side = np.array(thing.seen_from) - np.array(thing.xy), centres - np.array(thing.xy)
-    cosine = (side @ eye) / np.maximum(np.hypot(*side.T) * math.hypot(*eye), 1e-6)
-    cost = np.abs(distance - STAND_OFF_M) + 0.05 * np.hypot(*(centres - context.pose.xy_m).T)
-    cost += np.where(clear < 0.2, 0.6, 0.0) + 0.8 * elsewhere + 0.1 * (1.0 - cosine)
-    for floor, xy in (*world.visited, *state.failures):
-        if floor == world.floor:
-            cost += 0.5 * (np.hypot(*(centres - np.array(xy)).T) < STOOD_M)
-    for index in np.argsort(cost, kind="stable")[:60:4]:
-        xy = (float(centres[index, 0]), float(centres[index, 1]))
-        reachable = distance[index] < 1.6 and math.isfinite(context.space.geodesic_m(context.pose.xy_m, centres[index]))
-        if reachable and _on_its_side(context, thing, xy):
-            return xy
-    return thing.front
-
-
 def _best_unseen(context: PlannerContext, world: World, goal: str, state: EpisodeState) -> Quest | None:
     """Chance over steps: of independent places to search, the order by that ratio finds the object soonest."""
     beliefs = Beliefs(world, goal)
     best: tuple[float, XY, Quest] | None = None
-    options = (*_beyond_portals(context, world, beliefs), *_edges(context, world, beliefs), *_storeys(context, world, beliefs))
+    options = (
+        *_beyond_portals(context, world, beliefs),
+        *_edges(context, world, beliefs),
+        *_storeys(world, beliefs, state),
+    )
     for chance, steps, quest in options:
         needed = STAGE_STEPS + steps + STEPS_PER_M * way_length_m(context, quest.xy)
         hope = chance * FAILED ** (state.failed(quest.floor, quest.xy) + state.spent(quest.floor, quest.xy))
         if needed > context.steps_left:
             hope *= TIGHT
+        if state.on_the_way_to(quest.floor, quest.xy):
+            hope *= ON_THE_WAY
         rank = (round(hope / needed, 9), quest.xy, quest)
         if best is None or rank[:2] > best[:2]:
             best = rank
@@ -291,7 +174,7 @@ def _beyond_portals(context: PlannerContext, world: World, beliefs: Beliefs) -> 
 
 def _inside(world: World, portal: Portal, side: int) -> XY:
     """A place just inside the room on a side of a portal, from which most of the room is in view."""
-    for reach in (1.0, 1.2, 0.8, 0.6):
+    for reach in (0.7, 0.9, 0.5, 1.1):
         xy = portal.beside(side, reach)
         if world.room_at(world.floor, xy, 0.1):
             return xy
@@ -311,7 +194,7 @@ def _edges(context: PlannerContext, world: World, beliefs: Beliefs) -> Iterator[
         yield hope, 0.0, Quest(frontier.position_m, world.floor, False, "edge of the known floor", words)
 
 
-def _storeys(context: PlannerContext, world: World, beliefs: Beliefs) -> Iterator[Option]:
+def _storeys(world: World, beliefs: Beliefs, state: EpisodeState) -> Iterator[Option]:
     """Other storeys, by stairs that were not walked yet."""
     for stairs in world.stairs_on(world.floor):
         flight = world.flights.get(stairs.id)
@@ -320,12 +203,5 @@ def _storeys(context: PlannerContext, world: World, beliefs: Beliefs) -> Iterato
         room = world.room_of_thing[stairs.id][1]
         xy = flight.entry if flight else world.sight_of(stairs, room)
         if xy is not None:
-            at_entry = flight is not None and context.pose.distance_m(*flight.entry) < AT_ENTRY_M
-            hope = 1.0 if at_entry and _came_for_stairs(context) else STAIRS * beliefs.on_another_storey()
+            hope = STAIRS * beliefs.on_another_storey() * (1.0 if flight else SIGHT ** state.verified.count(STAIRS_SIGHT))
             yield hope, STAIRS_STEPS, Quest(xy, world.floor, False, "stairs", "the stairs lead to another floor", True)
-
-
-def _came_for_stairs(context: PlannerContext) -> bool:
-    """Whether the last stage headed for the entry of stairs: one does not turn away at the foot of what one came for."""
-    last = context.last_subtask
-    return last is not None and last.next_anchor is not None and last.next_anchor.space == STAIRS_ENTRY.space

@@ -26,11 +26,13 @@ from spacevln.core import (
     View,
 )
 from spacevln.language import Clause, cue_kind, known_categories, norm, region_kind
-from spacevln.reasoning.rules.flights import STAIRS_ENTRY, Crossing
+from spacevln.reasoning.rules.alignment import worth
+from spacevln.reasoning.rules.flights import STAIRS_ENTRY, STAIRS_SIGHT, Crossing, Flight
 from spacevln.reasoning.rules.heading import bearing_of_way, choose_view, reachable_goal, way_length_m
-from spacevln.reasoning.rules.object_goal import at_goal, find_object
+from spacevln.reasoning.rules.instances import at_goal
+from spacevln.reasoning.rules.object_goal import find_object
 from spacevln.reasoning.rules.route import anchor_of, final_anchor, planned_anchors, route_clauses, with_implied_climb
-from spacevln.reasoning.rules.search import LAST_STEPS, Hypothesis, Search, worth
+from spacevln.reasoning.rules.search import LAST_STEPS, Hypothesis, Search
 from spacevln.reasoning.rules.sightings import XY
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.thought import describe_here, observation_text, progress_text
@@ -113,7 +115,7 @@ class RulePlanner:
             and not context.rejections
         ):
             state.verified.append(context.last_subtask.next_anchor)
-        goal = self._crossing(context)
+        goal = self._crossing(context) or self._enter(context, reached)
         if goal is None:
             match context.task:
                 case InstructionTask():
@@ -134,18 +136,32 @@ class RulePlanner:
     def _along(crossing: Crossing, floor: int, rest: tuple[Anchor, ...], reason: str) -> Goal:
         return Goal(crossing.far, floor, crossing.anchor, rest, False, reason, flight_to_m=crossing.target_m)
 
+    def _enter(self, context: PlannerContext, reached: bool) -> Goal | None:
+        """At the entry that a stage was for one steps onto the flight; from so near its steps are out of the image."""
+        state, flight = self._state, self._state.entering
+        if not context.rejections:
+            state.entering = None
+        if flight is None or not reached or context.rejections or not flight.is_before((context.pose.x_m, context.pose.y_m)):
+            return None
+        return self._cross(context, flight, (self._final(context),), f"the stairs lead {flight.leads}")
+
+    def _cross(self, context: PlannerContext, flight: Flight, rest: tuple[Anchor, ...], reason: str) -> Goal:
+        floor = self._state.floor_of(context)
+        self._state.crossing = Crossing(flight.far, flight.leads, floor, context.pose, context.pose)
+        return self._along(self._state.crossing, floor, rest, reason)
+
     def _onto_stairs(self, context: PlannerContext, world: World, goal: Goal) -> Goal:
         """Stairs are first approached at their open end and then walked to the other one."""
         if goal.anchor.space_kind is not SpaceKind.FLOOR_TRANSITION:
             return goal
         near = [flight for flight in world.flights_on(world.floor) if math.dist(flight.entry, goal.xy) < SAME_ENTRY_M]
         if not near:
-            return replace(goal, anchor=Anchor("sight of the stairs", SpaceKind.CONNECTOR))
+            return replace(goal, anchor=STAIRS_SIGHT)
         flight = min(near, key=lambda flight: math.dist(flight.entry, goal.xy))
-        if not flight.is_before((context.pose.x_m, context.pose.y_m)):
-            return replace(goal, xy=flight.entry, anchor=STAIRS_ENTRY)
-        self._state.crossing = Crossing(flight.far, flight.leads, world.floor, context.pose, context.pose)
-        return self._along(self._state.crossing, world.floor, goal.rest, goal.reason)
+        if flight.is_before((context.pose.x_m, context.pose.y_m)):
+            return self._cross(context, flight, goal.rest, goal.reason)
+        self._state.entering = flight
+        return replace(goal, xy=flight.entry, anchor=STAIRS_ENTRY)
 
     def _final(self, context: PlannerContext) -> Anchor:
         match context.task:

@@ -12,39 +12,25 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from spacevln.language import Clause, ClauseType, NounKind
+from spacevln.reasoning.rules.alignment import NO, Vector, advance, worth
 from spacevln.reasoning.rules.beliefs import Beliefs
 from spacevln.reasoning.rules.grid import NOWHERE
-from spacevln.reasoning.rules.legs import Leg, Node
-from spacevln.reasoning.rules.matching import WEIGHT, Matcher, thing_fits
-from spacevln.reasoning.rules.route import REACHED_BY, part_of_stairs
+from spacevln.reasoning.rules.legs import CLIMBED, Leg, Node
+from spacevln.reasoning.rules.matching import WEIGHT, Matcher
 from spacevln.reasoning.rules.sightings import XY, Thing
+from spacevln.reasoning.rules.stop_places import StopPlaces
 from spacevln.reasoning.rules.world import World
 
 T = ClauseType
-SKIP = 0.8  # of a clause's weight, lost when it is not followed
 HOPE = (0.35, 0.62)  # of a clause's weight, expected of what is not seen yet: with few steps left, with many
 HOPE_STEPS = (50, 170)
 LAST_STEPS = 45  # with fewer one stops where the landmark of the stop was not found
-UNSEEN_STOP = 0.2  # of a stop's score where that landmark was not seen
-BARE_STOP = 0.65  # of a stop's weight, where it names nothing
-UNMENTIONED_CROSSING = 0.45
-UNMENTIONED_TURN = 0.25
-BIG_TURN_RAD = math.radians(60)
 BEAM = 28
 DEPTH = 8
-SLACK_M = 1.0
-LEG_COST_PER_M = 0.01
 LIKELY = 0.8  # of a clause's weight, for a room that surely holds what it names
 UNLIKELY_AT_MOST, LIKELY_AT_MOST = 0.4, 0.15  # what was not seen is never worth as much as what was
 EDGE, EDGE_PER_M = 0.8, 0.3  # what the edge of the known floor is worth less than a way out, and more by its width
-NO = -math.inf
-APPROACH_M = 0.65
-CLIMBED = -10  # and less: the node's "portal" is a flight of stairs
-
-Vector = tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,58 +67,6 @@ class Hypothesis:
     thing: Thing | None = None
 
 
-def advance(
-    vector: Vector, clauses: Sequence[Clause], leg: Leg, matcher: Matcher, first: bool, stop_score: float | None
-) -> Vector:
-    """The vector after a leg.
-
-    Args:
-        stop_score: of a final STOP fulfilled by the end of the leg; None on legs that go on.
-    """
-    count = len(clauses)
-    states: list[list[tuple[float, float, int, int]]] = [[] for _ in range(count + 1)]
-    for j, score in enumerate(vector):
-        if score > NO:
-            states[j].append((score, 0.0, 0, 0))
-    for j in range(count):
-        kept = sorted(states[j], key=lambda state: (-state[0], state[1]))[:4]
-        states[j] = kept
-        if not kept:
-            continue
-        clause = clauses[j]
-        weight = WEIGHT[clause.type]
-        if clause.type is T.STOP:
-            if stop_score is not None:
-                states[j + 1].extend((score + stop_score, leg.length_m, mask, turns) for score, _, mask, turns in kept)
-            continue
-        states[j + 1].extend((score - SKIP * weight, s, mask, turns) for score, s, mask, turns in kept)
-        for option in matcher.options(clause, leg):
-            for score, s, mask, turns in kept:
-                used_up = mask & (option.crossing | option.bars) or (option.turn >= 0 and turns >> option.turn & 1)
-                if option.s_m < s - SLACK_M or used_up:
-                    continue
-                used = turns | (1 << option.turn) if option.turn >= 0 else turns
-                states[j + 1].append((score + option.score, max(s, option.s_m), mask | option.crossing, used))
-    crossing = leg.kind in ("cross", "stairs")
-    big = [i for i, (s, angle) in enumerate(leg.turns) if abs(angle) > BIG_TURN_RAD and not (first and s < 1e-6)]
-    cost = LEG_COST_PER_M * leg.length_m
-    out = []
-    for j, options in enumerate(states):
-        best = NO
-        implied = crossing and j < count and matcher.goes_on_beyond(clauses[j], leg)
-        for score, _, mask, turns in options:
-            lost = UNMENTIONED_CROSSING if crossing and not mask and not implied else 0.0
-            lost += UNMENTIONED_TURN * sum(1 for i in big if not turns >> i & 1)
-            best = max(best, score - lost - cost)
-        out.append(best)
-    return tuple(out)
-
-
-def worth(clause: Clause) -> float:
-    """The best score that a clause can have."""
-    return WEIGHT[clause.type] * (BARE_STOP if clause.type is T.STOP and clause.place is None else 1.0)
-
-
 class Search:
     """Finds the hypotheses of an instruction in a world.
 
@@ -146,7 +80,7 @@ class Search:
         self.world = world
         self.clauses = tuple(clauses)
         self.matcher = Matcher(world)
-        self._looks_on = steps_left >= LAST_STEPS
+        self._stops = StopPlaces(world, self.clauses, self.matcher, steps_left >= LAST_STEPS)
         share = min(1.0, max(0.0, (steps_left - HOPE_STEPS[0]) / (HOPE_STEPS[1] - HOPE_STEPS[0])))
         hope = HOPE[0] + share * (HOPE[1] - HOPE[0])
         tail = [0.0]
@@ -154,7 +88,6 @@ class Search:
             tail.append(tail[-1] + hope * worth(clause))
         self.tail = tail[::-1]
         self._beliefs: dict[str, Beliefs] = {}
-        self._approach: dict[tuple[int, int], XY | None] = {}
 
     def run(self, start: Node) -> list[Hypothesis]:
         """Hypotheses, best first."""
@@ -289,120 +222,10 @@ class Search:
         """Complete hypotheses: stop places in the room of a node."""
         if trail.vector[-2] == NO and max(trail.vector) == NO:
             return
-        for goal, score, thing, label in self._places(trail.node):
+        for goal, score, thing, label in self._stops.of(trail.node):
             leg = self.world.leg(trail.node, goal, "place", thing=thing, label=label)
             if leg is None:
                 continue
             ended = self._step(trail, leg, trail.node, score)
             if ended.vector[-1] > NO:
                 yield Hypothesis(ended, ended.vector[-1], goal, trail.node.floor, True, len(self.clauses), "place", thing)
-
-    def _places(self, node: Node) -> Iterator[tuple[XY, float, Thing | None, str]]:
-        """(goal, score of the STOP, thing, label) of every stop place in a node's room."""
-        stop = self.clauses[-1]
-        weight = WEIGHT[T.STOP]
-        phrase = stop.place
-        bare = phrase is None
-        if phrase is None:
-            last = next(
-                (c for c in reversed(self.clauses[:-1]) if c.type not in (T.TURN, T.NOTICE, T.STRAIGHT, T.TURN_AROUND, T.ORIENT)),
-                None,
-            )
-            phrase = last.place if last is not None and last.type not in (T.ENTER, T.LEAVE) else None
-            missing = phrase is not None and phrase.kind is NounKind.OBJECT and self._looks_on
-            yield self.inside(node), BARE_STOP * weight * (UNSEEN_STOP if missing else 1.0), None, "inside"
-        share = BARE_STOP if bare else 1.0
-        if phrase is None:
-            return
-        if phrase.part in ("end", "far end", "other end") or (bare and phrase.kind is NounKind.REGION):
-            agree = self.world.compatible(phrase.head, node.floor, node.room) if phrase.kind is NounKind.REGION else 0.0
-            yield self.far_end(node), weight * share * (0.7 + 0.3 * agree), None, "end"
-        elif phrase.kind in (NounKind.OBJECT, NounKind.STAIRS, NounKind.PART):
-            yield from self._beside_things(node, weight * share)
-        elif phrase.kind is NounKind.OPENING or stop.relation in ("outside", "before", "in front of"):
-            yield from self._at_portals(node, weight * share)
-        else:
-            agree = self.world.compatible(phrase.head, node.floor, node.room) if phrase.kind is NounKind.REGION else 0.3
-            yield self.inside(node), weight * (0.55 + 0.45 * agree if agree >= 0 else 0.55 + 1.3 * agree), None, "inside"
-
-    def _beside_things(self, node: Node, weight: float) -> Iterator[tuple[XY, float, Thing | None, str]]:
-        stop = self.clauses[-1]
-        phrase = stop.place or next(c.place for c in reversed(self.clauses) if c.place is not None)
-        part = part_of_stairs(phrase)
-        if part and node.portal <= CLIMBED:
-            yield node.xy, weight, None, "landing"
-        for thing in self.world.things_of(node.floor, node.room):
-            value = thing_fits(phrase, thing)
-            if not value:
-                continue
-            flight = self.world.flights.get(thing.id)
-            if part and self.world.leads(thing) == REACHED_BY[part]:
-                continue  # that is its other end
-            second = phrase.also or (phrase.of if phrase.of is not None and phrase.of.kind is NounKind.OBJECT else None)
-            if second is not None:
-                near = any(
-                    thing_fits(second, other) and math.dist(other.xy, thing.xy) < 2.5
-                    for other in self.world.things_of(node.floor, node.room)
-                    if other.id != thing.id
-                )
-                value *= 1.0 if near else 0.6
-            goal = self.approach(thing, node) if flight is None else flight.entry
-            if goal is not None:
-                yield goal, weight * value, None if part else thing, ""
-
-    def _at_portals(self, node: Node, weight: float) -> Iterator[tuple[XY, float, Thing | None, str]]:
-        """Thresholds that a stop may mean: those of the room, and the one just walked through."""
-        stop = self.clauses[-1]
-        phrase = stop.place or next(c.place for c in reversed(self.clauses) if c.place is not None)
-        for portal, side in self.world.portals_of(node.floor, node.room):
-            beyond = self.world.portal_rooms[portal.id][1 - side]
-            agree = self.world.compatible(phrase.region, node.floor, beyond) if phrase.region else 0.0
-            just_used = portal.id == node.portal
-            if just_used and phrase.region:
-                agree = max(agree, self.world.compatible(phrase.region, node.floor, node.room))
-            goal = portal.beside(side, 0.3)
-            leg = self.world.leg(node, goal, "cross", portal, side)
-            if leg is None:
-                continue
-            fits = self.matcher.portal_fits(phrase, portal, leg)
-            score = 0.75 + 0.25 * agree if not phrase.region or agree > 0 else 0.4 + agree
-            yield goal, weight * score * fits * (0.9 if just_used else 1.0), None, f"portal {portal.id}"
-
-    def inside(self, node: Node) -> XY:
-        """A metre inside a room."""
-        for reach in (0.8, 0.5, 0.3, 0.0):
-            xy = (node.xy[0] + reach * math.cos(node.yaw_rad), node.xy[1] + reach * math.sin(node.yaw_rad))
-            if self.world.grids[node.floor].room_at(xy, 0.01) == node.room:
-                return xy
-        return node.xy
-
-    def far_end(self, node: Node) -> XY:
-        """The end of a room for someone who walks on from a node."""
-        grid = self.world.grids[node.floor]
-        centres = grid.centres(node.room)
-        clear = np.array([grid.clearance_m[grid.cell((float(x), float(y)))] for x, y in centres])
-        ahead = (centres - np.array(node.xy)) @ np.array([math.cos(node.yaw_rad), math.sin(node.yaw_rad)])
-        distance = np.hypot(*(centres - np.array(node.xy)).T)
-        best = int(np.argmax(np.where(clear >= 0.3, distance + 0.3 * ahead, -1.0)))
-        return float(centres[best, 0]), float(centres[best, 1])
-
-    def approach(self, thing: Thing, node: Node) -> XY | None:
-        """A free place near a thing's seen surface, on the way from the node."""
-        key = (thing.id, node.room)
-        if key not in self._approach:
-            self._approach[key] = approach_point(self.world, thing, node.floor, node.room, node.xy)
-        return self._approach[key]
-
-
-def approach_point(world: World, thing: Thing, floor: int, room: int, toward: XY) -> XY | None:
-    """A free cell of a room about 0.65 m from a thing's seen surface; None when none lies within 1.6 m."""
-    grid = world.grids[floor]
-    centres = grid.centres(room)
-    near = centres[np.hypot(*(centres - np.array(thing.xy)).T) < 1.8 + thing.extent_m]
-    if not len(near):
-        return None
-    distance = thing.distance_m(near)
-    clear = np.array([grid.clearance_m[grid.cell((float(x), float(y)))] for x, y in near])
-    cost = np.abs(distance - APPROACH_M) + 0.06 * np.hypot(*(near - np.array(toward)).T) + np.where(clear < 0.2, 0.6, 0.0)
-    best = int(np.argmin(cost))
-    return (float(near[best, 0]), float(near[best, 1])) if distance[best] < 1.6 else None

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from spacevln.core import Anchor, PlannerContext, Pose, StageEnd
-from spacevln.reasoning.rules.flights import Crossing
+from spacevln.reasoning.rules.flights import Crossing, Flight
 from spacevln.reasoning.rules.grid import FloorGrid, square_rad
 from spacevln.reasoning.rules.heading import way_length_m
 from spacevln.reasoning.rules.legs import Node
@@ -15,6 +15,7 @@ from spacevln.reasoning.rules.world import FLOOR_HEIGHT_M, Link, World, build_gr
 
 REACHED_M = 0.7
 SPENT_M = 0.4
+SAME_PLACE_M = 0.8
 LEAST_GAIN_M = 0.6  # a stage that brings its target no nearer than this has failed
 
 
@@ -22,8 +23,8 @@ LEAST_GAIN_M = 0.6  # a stage that brings its target no nearer than this has fai
 class EpisodeState:
     """Grows with every planning boundary; with Hierarchical Spatial Memory off nothing is kept but the verified anchors.
 
-    ``sought`` is the number of the thing that the last stage headed for; ``vain`` counts, by thing, the stages that stood before
-    it or came no nearer, and did not end the episode.
+    ``entering`` is the flight to whose entry the last stage led. ``sought`` is the number of the thing that it headed for;
+    ``vain`` counts, by thing, the stages that stood before it or came no nearer, and did not end the episode.
     """
 
     sightings: Sightings = field(default_factory=Sightings)
@@ -40,6 +41,7 @@ class EpisodeState:
     failures: list[tuple[int, XY]] = field(default_factory=list)
     reached: list[tuple[int, XY]] = field(default_factory=list)
     crossing: Crossing | None = None
+    entering: Flight | None = None
     sought: int | None = None
     vain: dict[int, int] = field(default_factory=dict)
 
@@ -114,10 +116,20 @@ class EpisodeState:
             self.failures.append(self.target)
         return reached
 
+    def on_the_way_to(self, floor: int, xy: XY) -> bool:
+        """Whether the last stage headed for a place and neither reached it nor failed."""
+        aims = (*self.reached[-1:], *self.failures[-1:])
+        return (
+            self.target is not None
+            and self.target not in aims
+            and self.target[0] == floor
+            and math.dist(self.target[1], xy) < SAME_PLACE_M
+        )
+
     def spent(self, floor: int, xy: XY) -> int:
         """How often a place was reached: what it had to show is seen."""
         return sum(1 for f, aim in self.reached if f == floor and math.dist(aim, xy) < SPENT_M)
 
     def failed(self, floor: int, xy: XY) -> int:
         """How often stages towards a place failed."""
-        return sum(1 for f, aim in self.failures if f == floor and math.dist(aim, xy) < 0.8)
+        return sum(1 for f, aim in self.failures if f == floor and math.dist(aim, xy) < SAME_PLACE_M)

@@ -1,0 +1,140 @@
+"""Seen instances of an object goal: which things are one, where to stand before one, and whether one is reached."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from enum import IntEnum
+
+import numpy as np
+
+from spacevln.core import PlannerContext, StageEnd
+from spacevln.language import head_noun
+from spacevln.perception.attributes import Agreement
+from spacevln.perception.matching import fit
+from spacevln.reasoning.rules.sightings import XY, Thing
+from spacevln.reasoning.rules.state import EpisodeState
+from spacevln.reasoning.rules.world import World
+
+STAND_OFF_M = 0.65  # from a goal's nearest surface
+AT_GOAL_M = 0.75
+FAR_M = 1.3  # from a thing's surface: more than a table between
+DETOUR_M = 0.6  # beyond the straight line: something as long as a wall lies between
+STOOD_M = 0.35  # around a place from which the goal was not confirmed
+KIND_STEPS = 70  # another kind of the goal's genus does when no more steps are left
+
+
+class Match(IntEnum):
+    """How well a seen thing's name fits the goal's."""
+
+    KIND = 1  # of the same genus: "wall cabinet" for "cabinet"
+    NAME = 2  # the very name or another name of the same
+
+
+def match(goal: str, name: str, attributes: tuple[str, ...]) -> Match | None:
+    """How well a thing of a name fits a goal; None when it does not.
+
+    An object goal names a category, so that a qualifier on one side alone makes another kind: a "round table" is a kind of
+    "table", and a "table" need not be round.
+    """
+    if fit(goal, name, attributes) is not Agreement.AGREED:
+        return None
+    wanted, found = _words(goal), _words(name)
+    if wanted == found:
+        return Match.NAME
+    qualified = found[-len(wanted) :] == wanted or wanted[-len(found) :] == found
+    return Match.NAME if head_noun(goal) == head_noun(name) and not qualified else Match.KIND
+
+
+def _words(name: str) -> list[str]:
+    return name.lower().replace("-", " ").split()
+
+
+def at_goal(context: PlannerContext, world: World, goal: str) -> bool:
+    """Whether an instance of the goal is in view within arm's reach, or the last stage arrived at one that is that near."""
+    least = Match.NAME if context.steps_left >= KIND_STEPS else Match.KIND
+    for view in context.views:
+        for sighting in view.sightings:
+            verdict = match(goal, sighting.category, sighting.attributes)
+            if verdict is not None and verdict >= least and sighting.distance_m <= AT_GOAL_M:
+                return True
+    arrived = (
+        context.feedback is not None
+        and context.feedback.end is StageEnd.ARRIVAL
+        and context.last_subtask is not None
+        and context.last_subtask.targets_final_anchor
+    )
+    here = (context.pose.x_m, context.pose.y_m)
+    return arrived and any(
+        float(thing.distance_m(np.array([here]))[0]) <= AT_GOAL_M + 0.1 and _on_its_side(context, thing, here)
+        for thing in instances(world, goal, least)
+    )
+
+
+def _before(context: PlannerContext, thing: Thing) -> XY | None:
+    """The known reachable floor nearest to a thing on the line along which it was first seen; None when there is none."""
+    (x, y), eye = min(thing.surface or [thing.xy], key=lambda p: math.dist(p, thing.seen_from)), thing.seen_from
+    reach = math.dist((x, y), eye)
+    for along in np.arange(0.3, reach, 0.15) / max(reach, 0.3):
+        xy = (x + float(along) * (eye[0] - x), y + float(along) * (eye[1] - y))
+        if math.isfinite(context.space.geodesic_m(context.pose.xy_m, np.array(xy))):
+            return xy
+    return None
+
+
+def _on_its_side(context: PlannerContext, thing: Thing, xy: XY) -> bool:
+    """Whether a place lies on the side of a wall from which a thing was seen: no long way around to the floor before it."""
+    before = _before(context, thing)
+    if before is None:
+        return True
+    return context.space.geodesic_m(np.array(xy), np.array(before)) <= math.dist(xy, before) + DETOUR_M
+
+
+def instances(world: World, goal: str, least: Match) -> Iterator[Thing]:
+    """The seen things of the current storey that fit a goal at least so well."""
+    for thing in world.sightings.things:
+        if thing.floor == world.floor:
+            verdicts = [verdict for name in thing.names if (verdict := match(goal, name, thing.attributes)) is not None]
+            if verdicts and max(verdicts) >= least:
+                yield thing
+
+
+def standing_place(context: PlannerContext, world: World, thing: Thing, state: EpisodeState) -> XY | None:
+    """A free place to stand before a thing, at ``STAND_OFF_M`` from its seen surface; None when there is none.
+
+    Preferred are places in the room it was seen in, on the side from which it was seen, with room around them, near the agent,
+    and away from where the agent already stood in vain.
+    """
+    before = _before(context, thing)
+    if (
+        before is not None
+        and not state.failed(world.floor, before)
+        and not state.spent(world.floor, before)
+        and float(thing.distance_m(np.array([before]))[0]) > FAR_M
+        and context.pose.distance_m(*before) > STOOD_M
+    ):
+        return before  # the floor at its feet is not known yet
+    grid = world.grids[world.floor]
+    cells = np.argwhere(grid.rooms > 0)
+    centres = grid.origin + (cells + 0.5) * 0.15
+    near = np.hypot(*(centres - np.array(thing.xy)).T) < 1.8 + thing.extent_m
+    cells, centres = cells[near], centres[near]
+    if not len(centres):
+        return before
+    distance = thing.distance_m(centres)
+    clear = grid.clearance_m[cells[:, 0], cells[:, 1]]
+    room = world.room_of_thing[thing.id][1]
+    elsewhere = grid.rooms[cells[:, 0], cells[:, 1]] != room if room else np.zeros(len(cells), dtype=np.bool_)
+    eye, side = np.array(thing.seen_from) - np.array(thing.xy), centres - np.array(thing.xy)
+    cosine = (side @ eye) / np.maximum(np.hypot(*side.T) * math.hypot(*eye), 1e-6)
+    cost = np.abs(distance - STAND_OFF_M) + 0.05 * np.hypot(*(centres - context.pose.xy_m).T)
+    cost += np.where(clear < 0.2, 0.6, 0.0) + 0.8 * elsewhere + 0.1 * (1.0 - cosine)
+    for floor, xy in (*world.visited, *state.failures):
+        if floor == world.floor:
+            cost += 0.5 * (np.hypot(*(centres - np.array(xy)).T) < STOOD_M)
+    for index in np.argsort(cost, kind="stable")[:60:4]:
+        xy = (float(centres[index, 0]), float(centres[index, 1]))
+        reachable = distance[index] < 1.6 and math.isfinite(context.space.geodesic_m(context.pose.xy_m, centres[index]))
+        if reachable and _on_its_side(context, thing, xy):
+            return xy
+    return thing.front
