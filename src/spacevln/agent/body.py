@@ -74,7 +74,7 @@ class Body:
     def reset(self, episode: EpisodeSpec) -> None:
         """Put the body at the episode's start and take the first image."""
         self.observation = self._environment.reset(episode)
-        self._emit(EpisodeStarted(episode, self.pose))
+        self._emit(EpisodeStarted(episode, self.pose, self.observation))
         self._world.integrate(self.observation)
 
     def step(self, action: Action, phase: Phase, terms: tuple[str, ...] = ()) -> tuple[Motion, tuple[Sighting, ...]]:

@@ -15,7 +15,7 @@ from spacevln.cli.compare import compare
 from spacevln.cli.doctor import doctor
 from spacevln.cli.houses import houses
 from spacevln.cli.map import memory_map
-from spacevln.cli.pictures import figure, video
+from spacevln.cli.pictures import figure, rerun, video
 from spacevln.cli.prompt import prompt
 from spacevln.cli.replay import replay
 from spacevln.cli.run import run
@@ -38,6 +38,7 @@ def cli() -> None:
     spacevln view RECORD                 pages that show every decision of a run or an episode
     spacevln figure RECORD               the paper's figure of an episode, as PNG and PDF
     spacevln video RECORD                an episode as an MP4
+    spacevln rerun RECORD                an episode as a log for the Rerun viewer
     spacevln table DIR...                print runs in the shape of the paper's tables
     spacevln compare A B                 compare two runs episode by episode
     spacevln replay RECORD               rerun a recorded episode offline, from its stored replies
@@ -53,6 +54,7 @@ cli.add_command(ablate)
 cli.add_command(view)
 cli.add_command(figure)
 cli.add_command(video)
+cli.add_command(rerun)
 cli.add_command(table)
 cli.add_command(compare)
 cli.add_command(replay)

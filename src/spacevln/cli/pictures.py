@@ -1,4 +1,4 @@
-"""``spacevln figure`` and ``spacevln video``: pictures of an episode."""
+"""``spacevln figure``, ``video`` and ``rerun``: pictures of an episode."""
 
 from __future__ import annotations
 
@@ -39,3 +39,16 @@ def video(record: Path, episode_id: str | None, speed: int, out: Path | None) ->
 
     episode = find_episode(record, episode_id)
     click.echo(write_video(episode, out or episode / "episode.mp4", frames_per_s=speed))
+
+
+@click.command()
+@EPISODE
+@WHICH
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), default=None, help="The .rrd file.")
+def rerun(record: Path, episode_id: str | None, out: Path | None) -> None:
+    """Write a log of the episode in RECORD for the Rerun viewer: camera, depth, map, graph, landmarks, way and words."""
+    from spacevln.evaluation.replay import find_episode
+    from spacevln.viewer import write_spatial_log
+
+    episode = find_episode(record, episode_id)
+    click.echo(write_spatial_log(episode, out or episode / "episode.rrd"))

@@ -16,10 +16,11 @@ from spacevln.core.task import EpisodeSpec
 
 @dataclass(frozen=True, slots=True)
 class EpisodeStarted:
-    """The environment was reset."""
+    """The environment was reset; ``observation`` is the first one."""
 
     episode: EpisodeSpec
     pose: Pose
+    observation: Observation | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -132,7 +132,7 @@ def walk(
     begin = time.perf_counter()
     budget = StepBudget(step_limit or default_step_limit(episode.spec.task))
     observation = environment.reset(episode.spec)
-    _emit(sinks, EpisodeStarted(episode.spec, observation.pose))
+    _emit(sinks, EpisodeStarted(episode.spec, observation.pose, observation))
     collisions = 0
     action: Action = MoveForward()
     while not isinstance(action, Stop):

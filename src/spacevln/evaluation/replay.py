@@ -162,6 +162,8 @@ def _canonical(lines: Sequence[EventLine]) -> Iterator[str]:
 
 def _lasting(data: dict[str, Any]) -> dict[str, Any]:
     kept = {name: value for name, value in data.items() if name not in _VOLATILE}
+    if data["event"] == "episode_started":
+        kept |= {"camera": None, "T_body_camera": None}  # records before 1.2 have none
     if data["event"] == "step_taken":
         kept |= {"rgb": None, "depth": None}
     if data["event"] == "model_called":

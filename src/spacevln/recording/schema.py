@@ -13,6 +13,7 @@ from pydantic import Field, TypeAdapter
 from spacevln.core import (
     AdmissibleActions,
     ArrangedWaypoint,
+    Camera,
     EpisodeStatus,
     ExecutorThought,
     Frontier,
@@ -41,7 +42,7 @@ class EpisodeStartedLine(Record):
     """The environment was reset. ``start`` is in the scene frame, every other pose in the episode frame.
 
     ``origin`` is the origin of the episode frame in the scene; None says that it is ``start``, as it is unless the memory of
-    an earlier episode was loaded.
+    an earlier episode was loaded. ``camera`` and ``T_body_camera``, a homogeneous matrix by rows, are None before format 1.2.
     """
 
     event: Literal["episode_started"] = "episode_started"
@@ -52,6 +53,8 @@ class EpisodeStartedLine(Record):
     origin: Pose | None = None
     task_kind: Literal["vln", "objectnav"]
     task_text: str
+    camera: Camera | None = None
+    T_body_camera: tuple[tuple[float, float, float, float], ...] | None = None
 
     @property
     def T_scene_episode(self) -> Pose:

@@ -102,19 +102,8 @@ class EpisodeRecorder:
     def _line(self, event: Event) -> Record:
         t = round(time.monotonic() - self._begin, 3)
         match event:
-            case EpisodeStarted(episode=episode, pose=pose):
-                kind, text = task_fields(episode.task)
-                return schema.EpisodeStartedLine.model_validate(
-                    {
-                        "time_s": t,
-                        "episode_id": episode.episode_id,
-                        "scene": episode.scene,
-                        "start": episode.start,
-                        "origin": None if pose == _ORIGIN else episode.start.compose(_ORIGIN.relative_to(pose)),
-                        "task_kind": kind,
-                        "task_text": text,
-                    }
-                )
+            case EpisodeStarted():
+                return _episode_start(event, t)
             case StepTaken():
                 return self._step(event, t)
             case LookedAround(stage=stage, views=views, memory=memory):
@@ -221,6 +210,26 @@ class EpisodeRecorder:
             raise RecordError(f"Cannot encode the image {name!r} of shape {image.shape}.")
         (self._directory / "images" / name).write_bytes(data.tobytes())
         return f"images/{name}"
+
+
+def _episode_start(event: EpisodeStarted, t: float) -> schema.EpisodeStartedLine:
+    episode, seen = event.episode, event.observation
+    kind, text = task_fields(episode.task)
+    return schema.EpisodeStartedLine.model_validate(
+        {
+            "time_s": t,
+            "episode_id": episode.episode_id,
+            "scene": episode.scene,
+            "start": episode.start,
+            "origin": None if event.pose == _ORIGIN else episode.start.compose(_ORIGIN.relative_to(event.pose)),
+            "task_kind": kind,
+            "task_text": text,
+            "camera": None if seen is None else seen.camera,
+            "T_body_camera": None
+            if seen is None
+            else np.round(np.linalg.inv(seen.pose.T_world_body) @ seen.T_world_camera, 6).tolist(),
+        }
+    )
 
 
 def _decision(event: DecisionMade, t: float) -> schema.DecisionMadeLine:

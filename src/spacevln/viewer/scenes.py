@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from spacevln.recording import ResultFile, read_events, read_result
 from spacevln.viewer.pages.story import Story
-from spacevln.viewer.topdown import FREE, GOAL, INK, OBSTACLE, REGION_COLOURS, SHORTEST, SOFT, START, UNKNOWN, WALKED
+from spacevln.viewer.topdown import FREE, GOAL, INK, OBSTACLE, REGION_COLOURS, SHORTEST, SOFT, START, UNKNOWN, WALKED, dashed
 
 Json = dict[str, Any]
 SAME_FLOOR_M = 1.3
@@ -50,6 +50,10 @@ class Scenes:
         """All planner stages."""
         stages: list[Json] = self.story["stages"]
         return stages
+
+    def layers(self, floor: Json) -> tuple[Any, Any, Any]:
+        """Cells, regions and the step that uncovered each cell of a floor, (H, W) each; row 0 is the southernmost."""
+        return self._layers[floor["floor"]]
 
     def picture(self, name: str | None, size: tuple[int, int]) -> Image.Image:
         """A recorded picture, scaled to fit into a size on white."""
@@ -111,13 +115,13 @@ class Scenes:
         here = [point for point in points if abs(point[2] - pose[2]) < SAME_FLOOR_M]
         xs, ys = [point[0] for point in here], [point[1] for point in here]
         if floor is not None:
-            (x, y), edge = floor["origin"], floor["resolution"]
-            xs += [x, x + floor["width"] * edge]
-            ys += [y, y + floor["height"] * edge]
+            x0, y0, x1, y1 = floor["focus"]
+            xs += [x0, x1]
+            ys += [y0, y1]
         return min(xs) - 0.4, min(ys) - 0.4, max(xs) + 0.4, max(ys) + 0.4
 
     def _ground(self, floor: Json, step: int) -> Any:
-        cells, regions, seen = self._layers[floor["floor"]]
+        cells, regions, seen = self.layers(floor)
         visible = np.where(seen <= step, cells, 0)
         colours = np.array([UNKNOWN, FREE, OBSTACLE], np.uint8)[visible]
         inside = (visible == 1) & (regions > 0)
@@ -130,7 +134,7 @@ class Scenes:
 
         shortest = [to_px(point) for point in self.story["shortest"] if same(point)]
         if len(shortest) > 1:
-            draw.line(shortest, SHORTEST, 3, joint="curve")
+            dashed(draw, shortest, SHORTEST, 3)
         walked = [
             to_px(point) for point in [self.story["start"], *(each["at"] for each in self.steps[: step + 1])] if same(point)
         ]

@@ -205,7 +205,7 @@ def _draw_regions(draw: ImageDraw.ImageDraw, floor: FloorMapLine, regions: NDArr
 
 def _draw_paths(draw: ImageDraw.ImageDraw, to_px: _ToPixels, on_floor: _OnFloor) -> None:
     for piece in on_floor.shortest:
-        _dashed(draw, to_px(piece), SHORTEST)
+        dashed(draw, to_px(piece), SHORTEST, 4)
     for piece in on_floor.walked:
         points = to_px(piece)
         draw.line(points, fill=WALKED, width=4, joint="curve")
@@ -221,14 +221,17 @@ def _draw_paths(draw: ImageDraw.ImageDraw, to_px: _ToPixels, on_floor: _OnFloor)
         draw.rectangle((x - 7, y - 7, x + 7, y + 7), fill=WALKED, outline="white", width=2)
 
 
-def _dashed(draw: ImageDraw.ImageDraw, points: list[tuple[float, float]], colour: tuple[int, int, int]) -> None:
+def dashed(draw: ImageDraw.ImageDraw, points: list[tuple[float, float]], colour: tuple[int, int, int], width: int) -> None:
+    """Draw a polyline in dashes of 12 pixels and gaps of 8."""
     done = 0.0
     for (x0, y0), (x1, y1) in itertools.pairwise(points):
         length = math.hypot(x1 - x0, y1 - y0)
         for k in range(math.ceil(length / 4)):
             if (done + 4 * k) % 20 < 12:
                 a, b = 4 * k / length, min(1.0, (4 * k + 4) / length)
-                draw.line((x0 + a * (x1 - x0), y0 + a * (y1 - y0), x0 + b * (x1 - x0), y0 + b * (y1 - y0)), fill=colour, width=4)
+                draw.line(
+                    (x0 + a * (x1 - x0), y0 + a * (y1 - y0), x0 + b * (x1 - x0), y0 + b * (y1 - y0)), fill=colour, width=width
+                )
         done += length
 
 

@@ -58,6 +58,7 @@ def layer(directory: Path, line: FloorMapLine, poses: list[Pose], floor_z_m: flo
         "origin": [round(value, 3) for value in origin_m],
         "width": cells.shape[1],
         "height": cells.shape[0],
+        "focus": _focus(cells, regions, origin_m, line.resolution_m),
         "names": list(line.region_names),
         "picture": "data:image/png;base64," + base64.b64encode(data.tobytes()).decode(),
         "z": round(floor_z_m, 3),
@@ -75,6 +76,16 @@ def _trim(cells: Bytes, regions: Bytes, line: FloorMapLine) -> tuple[Bytes, Byte
     x_m, y_m = line.origin_m
     origin_m = (x_m + float(low[1]) * line.resolution_m, y_m + float(low[0]) * line.resolution_m)
     return cells[part], regions[part], origin_m
+
+
+def _focus(cells: Bytes, regions: Bytes, origin_m: tuple[float, float], resolution_m: float) -> list[float]:
+    """The rectangle worth showing large, (x0, y0, x1, y1): the regions, not what was glimpsed beyond windows and far doors."""
+    inside = np.argwhere(regions > 0) if (regions > 0).any() else np.argwhere(cells > 0)
+    if not len(inside):
+        inside = np.array([[0, 0], cells.shape])
+    low, high = inside.min(axis=0), inside.max(axis=0) + 1
+    corners_m = np.array(origin_m) + np.array([low[::-1], high[::-1]]) * resolution_m
+    return [round(float(value), 3) for value in corners_m.ravel()]
 
 
 def first_seen(

@@ -77,10 +77,14 @@ class Story:
             "decisions": self.decisions,
             "waypoints": self.waypoints,
             "floors": [layer(self._directory, line, self.poses, self._height(line.floor)) for line in self._floors],
+            "decisive": self._index_of(result.diagnosis.step) if result and result.diagnosis else None,
             "goals": to_episode(truth.goals, origin) if truth else [],
             "shortest": to_episode(truth.shortest_path, origin) if truth else [],
             "texts": self.texts,
         }
+
+    def _index_of(self, step: int | None) -> int | None:
+        return next((index for index, taken in enumerate(self.steps) if taken["step"] == step), None)
 
     def _height(self, floor: int) -> float:
         """Height of a floor: that of the waypoints on it, else of the start."""
@@ -280,11 +284,16 @@ def _memory(memory: MemoryLine) -> Json:
         "region": memory.region,
         "floor": memory.floor,
         "text": memory.text,
-        "image": memory.map_image,
+        "image": _in_images(memory.map_image),
         "chain": list(memory.chain),
         "links": sorted(list(pair) for pair in links),
         "frontiers": [[_short(value) for value in frontier.position_m] for frontier in memory.frontiers],
     }
+
+
+def _in_images(name: str | None) -> str | None:
+    """The first records of format 1.0 name a map without its folder."""
+    return name if name is None or "/" in name else f"images/{name}"
 
 
 def _candidate(candidate: LandmarkCandidate) -> Json:

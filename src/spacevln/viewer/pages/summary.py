@@ -65,18 +65,21 @@ def summary(file: SummaryFile) -> Json:
 def diagnoses(file: SummaryFile, results: Sequence[ResultFile]) -> list[Json]:
     """Classes of failures, most frequent first."""
     paper = {result.diagnosis.name: result.diagnosis.paper for result in results if result.diagnosis}
-    return [{**line, "paper": paper.get(line["name"], "–")} for line in _shares(file.diagnoses)]
+    return [{**line, "paper": paper.get(line["name"])} for line in _shares(file.diagnoses, file.episodes)]
 
 
 def kinds(file: SummaryFile) -> list[Json]:
     """Failures by the paper's kinds."""
-    return _shares(file.diagnoses_paper)
+    return _shares(file.diagnoses_paper, file.episodes)
 
 
-def _shares(counts: dict[str, int]) -> list[Json]:
+def _shares(counts: dict[str, int], episodes: int) -> list[Json]:
     total = sum(counts.values())
-    ordered = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
-    return [{"name": name, "count": count, "share": f"{100 * count / total:.0f} %"} for name, count in ordered if count]
+    ordered = sorted(((name, count) for name, count in counts.items() if count), key=lambda item: (-item[1], item[0]))
+    return [
+        {"name": name, "count": count, "share": f"{100 * count / total:.0f} %", "of_all": f"{100 * count / episodes:.0f} %"}
+        for name, count in ordered
+    ]
 
 
 def outcome(result: ResultFile | None) -> Json:

@@ -87,7 +87,7 @@
     acts[event.key]();
   });
   addEventListener("hashchange", () => { if (fromAddress()) scrollTo({ top: 0 }); });
-  new ResizeObserver(() => drawBand(by("band"), story)).observe(by("band"));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { drawBand(by("band"), story); go(at, { keep: true }); });
+  new ResizeObserver(() => drawBand(by("band"), story, story.decisive)).observe(by("band"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { drawBand(by("band"), story, story.decisive); go(at, { keep: true }); });
   if (!fromAddress()) go(0, { keep: true });
 })();

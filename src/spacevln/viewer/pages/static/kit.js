@@ -73,8 +73,8 @@ class FloorView {
   bounds(floor) {
     const points = [];
     if (floor) {
-      const [x, y] = floor.origin;
-      points.push([x, y], [x + floor.width * floor.resolution, y + floor.height * floor.resolution]);
+      const [left, bottom, right, top] = floor.focus;
+      points.push([left, bottom], [right, top]);
     }
     const same = (z) => !floor || Math.abs(z - floor.z) < 1.3;
     for (const step of this.story.steps) if (same(step.at[2])) points.push(step.at);
@@ -471,8 +471,14 @@ function drawBand(canvas, story, marked = null) {
     pen.fillRect((k / n) * w, 0, w / n + 0.6, 14);
   });
   pen.globalAlpha = 1;
-  if (marked !== null) {
-    pen.fillStyle = colour("goal");
-    pen.fillRect((marked / n) * w - 1.5, 0, 4, 14);
-  }
+  if (marked === null) return;
+  const x = ((marked + 0.5) / n) * w;
+  pen.fillStyle = colour("target");
+  pen.strokeStyle = colour("bg");
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  for (const [dx, y] of [[-7, 0], [7, 0], [0, 13]]) pen.lineTo(x + dx, y);
+  pen.closePath();
+  pen.fill();
+  pen.stroke();
 }
