@@ -11,6 +11,7 @@ import numpy as np
 from spacevln.core import (
     AdmissibleActions,
     Anchor,
+    Camera,
     CueKind,
     EpisodeStatus,
     ExecutorThought,
@@ -43,6 +44,7 @@ from spacevln.recording.schema import (
     WaypointAddedLine,
 )
 
+LEVEL = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.88), (0.0, 0.0, 0.0, 1.0))
 PAYLOAD = (
     "<script>document.title='broken'</script><img src=x onerror=\"document.title='broken'\">"
     "<svg onload=\"document.title='broken'\"></script><a href=\"javascript:document.title='broken'\">a</a>"
@@ -98,7 +100,8 @@ def write_episode(folder: Path, text: str, *, good: bool, number: int = 0, direc
     cv2.imwrite(str(folder / "images/map_floor_0.png"), cells)
     lines = [
         EpisodeStartedLine(
-            time_s=0.0, episode_id=folder.name, scene="s", start=Pose(5.0, 5.0), task_kind="vln", task_text=text
+            time_s=0.0, episode_id=folder.name, scene="s", start=Pose(5.0, 5.0), task_kind="vln", task_text=text,
+            camera=Camera(64, 48, 79.0, 0.88), T_body_camera=LEVEL,
         ),
         *(line for stage in range(2) for line in _stage(folder, stage, text, direction)),
         MapSavedLine(

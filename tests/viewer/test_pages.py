@@ -90,6 +90,15 @@ def test_a_result_of_format_1_0_still_shows(tmp_path: Path) -> None:
     assert "Why episodes failed" not in (run / "index.html").read_text()
 
 
+def test_the_page_names_the_decisive_step_and_both_shares(tmp_path: Path) -> None:
+    run = write_run(tmp_path / "run", 4)
+    text = write_site(run).read_text()
+    assert data_of(run / "episodes/e-001/index.html")["decisive"] == 4  # step 5
+    assert data_of(run / "episodes/e-000/index.html")["decisive"] is None
+    assert "100 %" in text
+    assert "50 %" in text
+
+
 def test_text_of_the_record_is_never_markup(tmp_path: Path) -> None:
     run = write_run(tmp_path / "run", 2, PAYLOAD)
     write_site(run)

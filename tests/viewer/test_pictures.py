@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
 from PIL import Image
 from small_records import write_episode
 
-from spacevln.core import UsageError
-from spacevln.viewer import draw_figure, write_video
+from spacevln.core import PrerequisiteError, UsageError
+from spacevln.viewer import draw_figure, write_spatial_log, write_video
 from spacevln.viewer.scenes import Scenes
 
 
@@ -43,3 +44,27 @@ def test_a_video_has_a_frame_for_every_step(tmp_path: Path) -> None:
     write_episode(tmp_path / "e", "Go.", good=True)
     with av.open(str(write_video(tmp_path / "e", tmp_path / "e.mp4"))) as film:
         assert sum(1 for _ in film.decode(video=0)) == 6
+
+
+def test_a_spatial_log_holds_every_part_of_the_episode(tmp_path: Path) -> None:
+    pytest.importorskip("rerun", reason="the Rerun SDK is not installed: no spatial log is written")
+    write_episode(tmp_path / "e", "Go.", good=True)
+    data = write_spatial_log(tmp_path / "e", tmp_path / "e.rrd").read_bytes()
+    assert data.startswith(b"RRF2")
+    for path in (
+        "world/camera",
+        "world/map/floor_0",
+        "world/graph/waypoints",
+        "world/landmarks",
+        "world/trajectory",
+        "words",
+        "memory",
+    ):
+        assert path.encode() in data, path
+
+
+def test_a_spatial_log_without_the_sdk_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_episode(tmp_path / "e", "Go.", good=True)
+    monkeypatch.setitem(sys.modules, "rerun", None)
+    with pytest.raises(PrerequisiteError, match=r"pip install 'spacevln\[rerun\]'"):
+        write_spatial_log(tmp_path / "e", tmp_path / "e.rrd")

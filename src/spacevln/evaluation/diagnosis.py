@@ -16,13 +16,23 @@ from numpy.typing import NDArray
 
 from spacevln.core import EpisodeStatus, LandmarkCandidate, Pose
 from spacevln.evaluation.episode import GroundTruth, Points
+from spacevln.language import parse, same_thing
 from spacevln.recording import Diagnosis, EventLine, Metrics, ResultFile
-from spacevln.recording.schema import DecisionMadeLine, EpisodeEndedLine, StageEndedLine, StepTakenLine, SubtaskIssuedLine
+from spacevln.recording.schema import (
+    DecisionMadeLine,
+    EpisodeEndedLine,
+    EpisodeStartedLine,
+    StageEndedLine,
+    StepTakenLine,
+    SubtaskIssuedLine,
+)
 
 ON_ROUTE_M = 1.5
 """Farther than this from the shortest path is off it."""
 SAME_OBJECT_M = 2.0
 """A candidate farther than this from every goal object is another object."""
+AT_GOAL_M = 2.0
+"""An agent that came this near was at the goal; nearer than the 3 m of a route's success, which a wrong turn may graze."""
 STALLED_SHARE = 0.3
 """Share of forward decisions without motion from which an agent counts as blocked."""
 CONFINED_M = 3.0
@@ -92,6 +102,7 @@ class Case:
         goals: (G, 3) in the episode frame.
         path: (M, 3) shortest path in the episode frame.
         forced: the agent did not choose its STOP.
+        last_named: what the instruction names last; ``""`` where it names nothing.
     """
 
     steps: tuple[StepTakenLine, ...]
@@ -103,6 +114,7 @@ class Case:
     goals: Points
     path: Points
     forced: bool
+    last_named: str
 
     def finding(self, kind: Kind, reason: str, index: int | None) -> Diagnosis:
         """The diagnosis with the step at an index of ``distances_m``; the first step stands for the start."""
@@ -148,14 +160,17 @@ def diagnose(
         return case.finding(Kind.ENVIRONMENT, f"The world ended the episode: {end.detail or end.status.value}.", len(case.steps))
     if metrics.NE is None:
         return case.finding(Kind.ENVIRONMENT, "No way leads from where it ended to the goal.", None)
-    if metrics.OSR == 1.0:
+    if metrics.OSR == 1.0 and float(case.distances_m.min()) < AT_GOAL_M:
         return _had_arrived(case, truth, positions)
     return _blocked(case) or (_object_goal(case) if truth.reference_path is None else _route(case))
 
 
 def _case(lines: Sequence[EventLine], end: EpisodeEndedLine, truth: GroundTruth, positions: Points, origin: Pose) -> Case:
     decisions: dict[int, list[DecisionMadeLine]] = {}
+    named: list[str] = []
     for line in lines:
+        if isinstance(line, EpisodeStartedLine):
+            named = [clause.place.phrase for clause in parse(line.task_text) if clause.place is not None]
         if isinstance(line, DecisionMadeLine):
             decisions.setdefault(line.stage, []).append(line)
     return Case(
@@ -168,6 +183,7 @@ def _case(lines: Sequence[EventLine], end: EpisodeEndedLine, truth: GroundTruth,
         goals=_in_episode(truth.goals, origin),
         path=_in_episode(truth.shortest_path, origin),
         forced=end.stop_reason.forced,
+        last_named=named[-1] if named else "",
     )
 
 
@@ -246,6 +262,10 @@ def _on_route(case: Case) -> Diagnosis:
     """The agent ended on the shortest path, short of the goal."""
     rest_m = float(case.distances_m[-1])
     if not case.forced:
+        other = _stopped_at(case)
+        if other is not None:
+            text = f"It stopped at a “{other.category}” on the way, {rest_m:.1f} m before the goal."
+            return case.finding(Kind.ASSOCIATION, text, case.first_index(max(case.decisions)))
         return case.finding(Kind.EARLY, f"It stopped on the way, {rest_m:.1f} m before the goal.", len(case.steps))
     stages = sorted(case.subtasks)[-3:]
     searched = [case.subtasks[stage].subtask.landmark for stage in stages]
@@ -256,14 +276,21 @@ def _on_route(case: Case) -> Diagnosis:
     return case.finding(Kind.BUDGET, f"It ran out of steps on the way, {rest_m:.1f} m before the goal.", len(case.steps))
 
 
+def _stopped_at(case: Case) -> LandmarkCandidate | None:
+    """The landmark at which the agent stopped, if it is another one of what the instruction names last."""
+    ended = case.ends.get(max(case.decisions, default=-1))
+    arrived = [candidate for candidate in ended.pool if candidate.arrived] if ended is not None else []
+    alike = [candidate for candidate in arrived if case.last_named and same_thing(candidate.category, case.last_named)]
+    return next((candidate for candidate in alike if not _is_goal(case, candidate)), None)
+
+
 def _object_goal(case: Case) -> Diagnosis:
-    pool = case.candidates(sorted(case.decisions))
     if not case.forced:
         text = f"It stopped {case.distances_m[-1]:.1f} m from the goal object, at something it took for it."
         return case.finding(Kind.ASSOCIATION, text, case.first_index(max(case.decisions, default=0)))
     final = [stage for stage, issued in case.subtasks.items() if issued.subtask.targets_final_anchor]
-    seen = [candidate for candidate in case.candidates(final) if _is_goal(case, candidate)]
-    if seen:
+    pool = case.candidates(final)
+    if any(_is_goal(case, candidate) for candidate in pool):
         text = "It had seen the goal object and ran out of steps before it was there."
         return case.finding(Kind.BUDGET, text, len(case.steps))
     if not pool:

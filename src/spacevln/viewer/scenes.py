@@ -153,14 +153,14 @@ class Scenes:
         if same(self.story["start"]):
             x, y = to_px(self.story["start"])
             draw.ellipse((x - 5, y - 5, x + 5, y + 5), START, "white")
-        for goal in filter(same, self.story["goals"]):
-            x, y = to_px(goal)
-            star = [(10 if k % 2 == 0 else 4.5, k * math.pi / 5) for k in range(10)]
-            draw.polygon([(x + r * math.sin(a), y - r * math.cos(a)) for r, a in star], GOAL, "white")
         x, y = to_px(pose)
         c, s = math.cos(pose[3]), math.sin(pose[3])
-        arrow = [(12, 0), (-8, -8), (-4, 0), (-8, 8)]
+        arrow = [(14, 0), (-10, -10), (-5, 0), (-10, 10)]
         draw.polygon([(x + c * a - s * b, y - s * a - c * b) for a, b in arrow], WALKED, "white")
+        for goal in filter(same, self.story["goals"]):
+            x, y = to_px(goal)
+            star = [(9 if k % 2 == 0 else 4, k * math.pi / 5) for k in range(10)]
+            draw.polygon([(x + r * math.sin(a), y - r * math.cos(a)) for r, a in star], GOAL, "white")
 
 
 def _unpack(floor: Json) -> tuple[Any, Any, Any]:
