@@ -145,16 +145,14 @@ class Dying(Flatland):
         return super().execute(action)
 
 
-def planner(
-    chain: Sequence[Anchor] = (START, PLANT, BED), turn: str = "left 90", *, never_done: bool = False
-) -> Callable[[PlannerContext], Subtask]:
+def planner(chain: Sequence[Anchor] = (START, PLANT, BED), turn: str = "left 90") -> Callable[[PlannerContext], Subtask]:
     """The next anchor after an arrival, else the same again; towards the view that shows it, else where it was told to turn."""
 
     def plan(context: PlannerContext) -> Subtask:
         index = 0
         if context.feedback is not None and context.last_subtask is not None:
             index = context.last_subtask.current_index + (context.feedback.end is StageEnd.ARRIVAL)
-        index = min(index, len(chain) - 1 - never_done)
+        index = min(index, len(chain) - 1)
         following = chain[min(index + 1, len(chain) - 1)]
         showing = [view for view in context.views for each in view.sightings if following.cue and each.category == following.cue]
         told = "front" if index == 0 or context.feedback is None or context.feedback.end is not StageEnd.ARRIVAL else turn
@@ -227,8 +225,8 @@ CASES = [
     Provoked(Kind.DIRECTION, "the turn is mirrored", mind=planner(BEDROOM_CHAIN, "right 90"), steps=75),
     Provoked(Kind.DIRECTION, "the same, mirrored", side=-1, mind=planner(BEDROOM_CHAIN, "left 90"), steps=75),
     Provoked(Kind.DIRECTION, "mirrored, and it stops there", mind=planner((START, PLANT, DESK), "right 90")),
-    Provoked(Kind.LATE, "STOP is disabled", mind=planner(never_done=True)),
-    Provoked(Kind.LATE, "the same, mirrored", side=-1, mind=planner(turn="right 90", never_done=True)),
+    Provoked(Kind.LATE, "STOP is disabled", mind=planner((START, PLANT, BED, DESK)), steps=110),
+    Provoked(Kind.LATE, "the same, mirrored", side=-1, mind=planner((START, PLANT, BED, DESK), "right 90"), steps=110),
     Provoked(Kind.EARLY, "the last anchor is lost", mind=planner((START, PLANT))),
     Provoked(Kind.PASSED, "an anchor is added", mind=planner((START, PLANT, BED, DESK))),
     Provoked(Kind.BUDGET, "few steps", steps=38),
