@@ -228,7 +228,7 @@ CASES = [
     Provoked(Kind.LATE, "STOP is disabled", mind=planner((START, PLANT, BED, DESK)), steps=110),
     Provoked(Kind.LATE, "the same, mirrored", side=-1, mind=planner((START, PLANT, BED, DESK), "right 90"), steps=110),
     Provoked(Kind.EARLY, "the last anchor is lost", mind=planner((START, PLANT))),
-    Provoked(Kind.PASSED, "an anchor is added", mind=planner((START, PLANT, BED, DESK))),
+    Provoked(Kind.PASSED, "an anchor is added", mind=planner((START, PLANT, BED, DESK)), steps=230),
     Provoked(Kind.BUDGET, "few steps", steps=38),
     Provoked(Kind.MODEL, "the model fails", mind=ModelError("no usable reply")),
     Provoked(Kind.ENVIRONMENT, "the world dies", world=Dying),
