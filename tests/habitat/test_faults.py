@@ -12,13 +12,17 @@ import time
 from pathlib import Path
 
 import pytest
-from bridge_world import HERE, episode, scenes, small, use_standin
+from bridge_world import DATA, HERE, episode, scenes, small, use_standin
 from spacevln_bridge import channel, messages
 
+from spacevln.assembly import Configuration
 from spacevln.core import EnvironmentFailure, EpisodeSpec, InstructionTask, MoveForward, PrerequisiteError, TurnLeft
 from spacevln.environments.habitat import process
 from spacevln.environments.habitat.environment import HabitatEnvironment
 from spacevln.environments.habitat.setup import HabitatSetup
+from spacevln.evaluation import datasets
+from spacevln.evaluation.attempt import Session
+from spacevln.recording import RecordLevel
 
 
 @pytest.fixture
@@ -159,3 +163,16 @@ def test_closing_leaves_neither_process_nor_descriptor(world: HabitatEnvironment
         world.close()
         assert gone(pid)
     assert len(list(Path("/proc/self/fd").iterdir())) <= before
+
+
+def test_a_lost_worker_costs_one_episode_each_time_and_is_replaced(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    use_standin(monkeypatch, "0.3.4", fault="die")
+    world = small(tmp_path, width_px=16, height_px=12)
+    with Session(Configuration(driver="forward"), world) as session:
+        for episode_of_file in datasets.load("r2r-ce", DATA)[:2]:
+            folder = tmp_path / episode_of_file.episode_id
+            result = session.attempt(episode_of_file, folder, level=RecordLevel.LIGHT)
+            assert result.status == "environment_failure"
+            assert "lost in Act" in result.detail
+            assert not (folder / "crash.txt").exists()
+XX

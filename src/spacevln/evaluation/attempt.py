@@ -109,6 +109,8 @@ class Session(AbstractContextManager["Session"]):
                 result = result.model_copy(update=self._keep(left, episode, known, directory))
         except (RecordError, SpendingLimit, PrerequisiteError):
             raise
+        except EnvironmentFailure as error:  # of a baseline; the agent's loop tells of it by itself
+            result = environment_failure(episode, str(error), restarts=restarts)
         except Exception as error:  # noqa: BLE001 - the episode boundary: a bug must not take the other episodes along
             (directory / "crash.txt").write_text(traceback.format_exc(), encoding="utf-8")
             result = environment_failure(episode, f"internal error: {type(error).__name__}: {error}", restarts=restarts)
