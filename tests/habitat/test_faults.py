@@ -175,4 +175,4 @@ def test_a_lost_worker_costs_one_episode_each_time_and_is_replaced(monkeypatch: 
             assert result.status == "environment_failure"
             assert "lost in Act" in result.detail
             assert not (folder / "crash.txt").exists()
-XX
+        assert world.simulator.starts > 1
