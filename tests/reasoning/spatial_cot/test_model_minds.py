@@ -179,7 +179,7 @@ def kept(sink: EventList, *kinds: type) -> list[Any]:
     return [event for event in sink.events if isinstance(event, kinds)]
 
 
-@pytest.mark.parametrize("row", ["full", "-P-E"])
+@pytest.mark.parametrize("row", ["full", pytest.param("-P-E", marks=pytest.mark.slow)])
 def test_an_episode_in_words_is_the_episode_of_its_author(row: str) -> None:
     sink, result = run(*dictated(row))
     alone, expected = run(DictatingPlanner(RulePlanner()), DictatingExecutor(RuleExecutor()))
