@@ -9,6 +9,7 @@ from spacevln.assembly.configuration import (
     KnownBuilding,
     LabelDetectorSettings,
     ModelPair,
+    OpenVocabularySettings,
     PromptOptions,
 )
 from spacevln.assembly.habitat_presets import PRESETS, HabitatPreset, preset_of
@@ -28,6 +29,7 @@ __all__ = [
     "KnownBuilding",
     "LabelDetectorSettings",
     "ModelPair",
+    "OpenVocabularySettings",
     "PromptOptions",
     "RecordedSituations",
     "RegisteredEnvironment",

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import importlib.util
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 from spacevln.agent import AgentSettings, Components, NavigationAgent
-from spacevln.assembly.configuration import Configuration, HabitatSettings
+from spacevln.assembly.configuration import Configuration, HabitatSettings, OpenVocabularySettings
 from spacevln.core import (
     ChatModel,
     Detector,
@@ -21,6 +22,9 @@ from spacevln.core import (
 )
 from spacevln.environments.houses.environment import HousesEnvironment
 from spacevln.perception import LabelDetector
+from spacevln.perception.open_vocabulary.boxes import BoxRules
+from spacevln.perception.open_vocabulary.compute import Compute
+from spacevln.perception.open_vocabulary.opening import DetectorChoice, open_detector
 from spacevln.reasoning.rules import Gait, RuleExecutor, RulePlanner
 from spacevln.reasoning.spatial_cot import ExecutorPrompt, ModelExecutor, ModelPlanner, PlannerPrompt, PromptSettings
 
@@ -57,8 +61,27 @@ def check_settings(configuration: Configuration, spec: EnvironmentSpec) -> None:
 
 
 def build_detector(configuration: Configuration) -> Detector:
-    """What grounds landmarks."""
-    return LabelDetector(**configuration.detector.model_dump())
+    """What grounds landmarks; models are opened once in a process and shared by its episodes.
+
+    Raises:
+        PrerequisiteError: a detector's library or weights are missing.
+        UsageError: its weights are damaged, or it cannot run so here.
+    """
+    settings = configuration.detector
+    return _open_vocabulary(settings) if isinstance(settings, OpenVocabularySettings) else LabelDetector(**settings.model_dump())
+
+
+@lru_cache(maxsize=1)
+def _open_vocabulary(settings: OpenVocabularySettings) -> Detector:
+    return open_detector(
+        DetectorChoice(
+            settings.grounder,
+            settings.segmenter,
+            BoxRules(settings.box_threshold, settings.text_threshold),
+            Compute(settings.device, settings.dtype),
+            settings.batch_size,
+        )
+    )
 
 
 def build_agent(

@@ -82,6 +82,26 @@ class LabelDetectorSettings(_Settings):
     seed: int = 0
 
 
+class OpenVocabularySettings(_Settings):
+    """A detector of published models, for worlds without labels.
+
+    Args:
+        grounder: that finds boxes, by its name in the catalogue of weights.
+        segmenter: that cuts masks; ``none`` = boxes only.
+        box_threshold, text_threshold: 0.25 and 0.25 for landmarks, 0.5 and 0.5 for object goals.
+        device, dtype: where and how precisely.
+        batch_size: images per forward pass.
+    """
+
+    grounder: str
+    segmenter: str
+    box_threshold: float = Field(default=0.25, ge=0, le=1)
+    text_threshold: float = Field(default=0.25, ge=0, le=1)
+    device: Literal["auto", "cpu", "cuda", "mps"] = "auto"
+    dtype: Literal["float32", "float16", "bfloat16"] = "float32"
+    batch_size: PositiveInt = 12
+
+
 class ComponentSettings(_Settings):
     """The paper's ablation switches (Table 4, DESIGN 6); off removes the component, not only its text."""
 
@@ -186,7 +206,7 @@ class Configuration(_Settings):
 
     driver: Literal["agent", "random", "forward", "frontier", "oracle", "reference"] = "agent"
     environment: HousesSettings | HabitatSettings = HousesSettings()
-    detector: LabelDetectorSettings = LabelDetectorSettings()
+    detector: LabelDetectorSettings | OpenVocabularySettings = LabelDetectorSettings()
     components: ComponentSettings = ComponentSettings()
     planner: Literal["rules", "vlm"] = "rules"
     executor: Literal["rules", "vlm"] = "rules"

@@ -12,9 +12,11 @@ from spacevln import __version__
 from spacevln.cli.ablate import ablate
 from spacevln.cli.bench import bench
 from spacevln.cli.compare import compare
+from spacevln.cli.detect import detect
 from spacevln.cli.doctor import doctor
 from spacevln.cli.houses import houses
 from spacevln.cli.map import memory_map
+from spacevln.cli.models import models
 from spacevln.cli.pictures import figure, rerun, video
 from spacevln.cli.prompt import prompt
 from spacevln.cli.replay import replay
@@ -44,6 +46,8 @@ def cli() -> None:
     spacevln replay RECORD               rerun a recorded episode offline, from its stored replies
     spacevln prompt RECORD STAGE         show what a model was asked there, or would have been
     spacevln map RECORD                  draw the memory that an episode left: map, spaces, graph
+    spacevln detect IMAGE PHRASE...      find things that are named in a picture
+    spacevln models list                 weights of detectors and segmenters: list, download, verify
     spacevln doctor                      what is installed, what is missing, and the command that mends it
     """  # noqa: D301 - click reads the backspace as "keep these lines"
 
@@ -61,6 +65,8 @@ cli.add_command(replay)
 cli.add_command(prompt)
 cli.add_command(memory_map)
 cli.add_command(houses)
+cli.add_command(detect)
+cli.add_command(models)
 cli.add_command(doctor)
 
 

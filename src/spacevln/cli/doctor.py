@@ -24,6 +24,8 @@ from spacevln.core import PrerequisiteError, UsageError
 BASE = ("mujoco", "numba", "numpy", "opencv-python-headless", "pydantic", "scipy")
 EXTRAS = (
     ("openai", "vlm", "vision-language models as planner and executor"),
+    ("transformers", "perception", "open-vocabulary detectors and segmenters"),
+    ("onnxruntime", "onnx", "a segmenter without torch"),
     ("gymnasium", "gym", "the Gymnasium environment spacevln/Houses-v0"),
     ("spacevln_bridge", "habitat", "Habitat-Sim in a Python of its own"),
     ("trimesh", "export", "writing houses as .glb files"),

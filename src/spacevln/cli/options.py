@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import click
 
+from spacevln.cli.detector_options import detector_from, detector_options
 from spacevln.cli.model_options import REASONERS, access_options, choice_options, models_from
 from spacevln.cli.prompt_options import ablation_options, components_from, prompt_options, prompts_from
 
@@ -31,10 +32,7 @@ def agent_options(command: F) -> F:
             click.option(
                 "--sliding/--no-sliding", default=True, show_default=True, help="Slide along obstacles, as VLN-CE does."
             ),
-            click.option(
-                "--miss-rate", type=click.FloatRange(0, 1), default=0.0, help="Share of instances the detector overlooks."
-            ),
-            click.option("--confusion-rate", type=click.FloatRange(0, 1), default=0.0, help="Share it calls by a similar name."),
+            detector_options,
             click.option("--steps", type=click.IntRange(min=1), default=None, help="Step budget, STOP included."),
             click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=None, help="Run directory."),
         )
@@ -49,7 +47,7 @@ Reasoner = Literal["rules", "vlm"]
 
 def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Configuration:
     """The configuration that these options say, with the renderer that this machine will really use."""
-    from spacevln.assembly import Configuration, HousesSettings, LabelDetectorSettings
+    from spacevln.assembly import Configuration, HousesSettings
     from spacevln.environments.houses.rendering import renderer_info
 
     models = models_from(options)
@@ -59,7 +57,7 @@ def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Con
     return Configuration(
         driver=driver,
         environment=HousesSettings(renderer=renderer_info(options["renderer"]).name, sliding=options["sliding"]),
-        detector=LabelDetectorSettings(miss_rate=options["miss_rate"], confusion_rate=options["confusion_rate"]),
+        detector=detector_from(options),
         components=components_from(options, planner, executor),
         planner=planner,
         executor=executor,

@@ -1,0 +1,99 @@
+"""From scored boxes to the boxes that count: thresholds, whole-image boxes, two boxes of one thing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacevln.core import UsageError
+
+
+@dataclass(frozen=True, slots=True)
+class BoxRules:
+    """Which boxes count.
+
+    Args:
+        box_threshold: a box's best phrase must score more; object goals take 0.5.
+        text_threshold: a phrase's noun must score more; object goals take 0.5.
+        whole_image_share: a box that covers this share of the image is no thing in it.
+        duplicate_iou: two boxes that overlap this much are one thing; the higher score stands.
+    """
+
+    box_threshold: float = 0.25
+    text_threshold: float = 0.25
+    whole_image_share: float = 0.95
+    duplicate_iou: float = 0.65
+
+    def __post_init__(self) -> None:
+        for name in ("box_threshold", "text_threshold", "whole_image_share", "duplicate_iou"):
+            if not 0 <= (value := getattr(self, name)) <= 1:
+                raise UsageError(f"{name}={value} is outside 0 to 1: give a share or a confidence.")
+
+
+LEAST_SCORE = 0.05
+"""Boxes none of whose tokens reaches it are not looked at any further."""
+
+OBJECT_GOAL_THRESHOLD = 0.5
+"""Both thresholds where the goal is an object."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScoredBoxes:
+    """What a grounding model says of one image.
+
+    Args:
+        boxes_px: (N, 4) x0, y0, x1, y1; they may reach over the image's border.
+        scores: (N, Q) of every query, 0 to 1; 0 = not named.
+    """
+
+    boxes_px: NDArray[np.float32]
+    scores: NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class GroundedBox:
+    """A box that counts.
+
+    Args:
+        query: index of its phrase.
+        box_px: x0, y0, x1, y1 in whole pixels inside the image, end exclusive.
+        confidence: 0 to 1.
+    """
+
+    query: int
+    box_px: tuple[int, int, int, int]
+    confidence: float
+
+
+def select(found: ScoredBoxes, width_px: int, height_px: int, rules: BoxRules) -> tuple[GroundedBox, ...]:
+    """The boxes that count, most confident first; every box carries its best phrase."""
+    if not len(found.boxes_px) or not found.scores.shape[1]:
+        return ()
+    best, query = found.scores.max(axis=1), found.scores.argmax(axis=1)
+    sound = (best > rules.box_threshold) & np.isfinite(found.boxes_px).all(axis=1)
+    boxes = np.rint(np.where(np.isfinite(found.boxes_px), found.boxes_px, 0)).clip(-1e6, 1e6).astype(np.int64)
+    boxes[:, 0::2] = boxes[:, 0::2].clip(0, width_px)
+    boxes[:, 1::2] = boxes[:, 1::2].clip(0, height_px)
+    area = np.maximum(boxes[:, 2] - boxes[:, 0], 0) * np.maximum(boxes[:, 3] - boxes[:, 1], 0)
+    (rows,) = np.nonzero(sound & (area > 0) & (area < rules.whole_image_share * width_px * height_px))
+    order = sorted(rows.tolist(), key=lambda row: (-float(best[row]), boxes[row].tolist(), int(query[row])))
+    kept: list[int] = []
+    for row in order:
+        if all(_iou(boxes[row], boxes[other]) < rules.duplicate_iou for other in kept):
+            kept.append(row)
+    return tuple(_grounded(boxes[row], int(query[row]), float(best[row])) for row in kept)
+
+
+def _grounded(box: NDArray[np.int64], query: int, confidence: float) -> GroundedBox:
+    x0, y0, x1, y1 = box.tolist()
+    return GroundedBox(query, (x0, y0, x1, y1), min(confidence, 1.0))
+
+
+def _iou(a: NDArray[np.int64], b: NDArray[np.int64]) -> float:
+    width, height = min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
+    if width <= 0 or height <= 0:
+        return 0.0
+    both = width * height
+    return float(both / ((a[2] - a[0]) * (a[3] - a[1]) + (b[2] - b[0]) * (b[3] - b[1]) - both))
