@@ -40,7 +40,7 @@ def detector_options(command: F) -> F:
                 "--detector",
                 default="labels",
                 show_default=True,
-                help="What grounds landmarks: a simulator's labels, or a model such as grounding-dino-tiny (spacevln models list).",
+                help="A simulator's labels, or a model such as grounding-dino-tiny (see spacevln models list).",
             ),
             click.option("--segmenter", default=None, help="Cuts masks: by default sam2.1-tiny, with --preset paper repvit-sam."),
             click.option(
