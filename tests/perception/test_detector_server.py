@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from echo_detector import Echo, echo
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spacevln.core import Detection, EnvironmentFailure, PrerequisiteError, UsageError
@@ -53,10 +53,13 @@ def same(a: Detection, b: Detection) -> bool:
     return (a.category, a.box_px, a.confidence) == (b.category, b.box_px, b.confidence) and np.array_equal(a.mask, b.mask)
 
 
+@settings(deadline=None, max_examples=50)
 @given(st.lists(st.tuples(st.integers(1, 30), st.integers(1, 30), st.booleans(), st.integers(0, 99)), max_size=6))
 def test_detections_survive_the_wire(rows: list[tuple[int, int, bool, int]]) -> None:
     found = tuple(
-        Detection("sofa", (3, 4, 3 + w, 4 + h), 0.5, np.random.default_rng(seed).random((h, w)) < 0.5 if masked else None, ("white",))
+        Detection(
+            "sofa", (3, 4, 3 + w, 4 + h), 0.5, np.random.default_rng(seed).random((h, w)) < 0.5 if masked else None, ("white",)
+        )
         for w, h, masked, seed in rows
     )
     (back,) = unpack(*pack([found]))
@@ -95,7 +98,9 @@ def test_a_client_starts_the_server_and_others_find_it(connect: Open) -> None:
     for client, size in ((first, (64, 48)), (second, (320, 240)), (first, (640, 480))):
         images = [picture(seed, *size) for seed in range(3)]
         found = client.detect_images(images, ["sofa", "door"])
-        assert [same(a, echo(image, a.category)) for image, detections in zip(images, found, strict=True) for a in detections] == [True] * 6
+        assert [
+            same(a, echo(image, a.category)) for image, detections in zip(images, found, strict=True) for a in detections
+        ] == [True] * 6
     assert (first.counts.starts, second.counts.starts) == (1, 0)
     assert first.detect_images([picture(0)], ["pid"])[0][0].category == second.detect_images([picture(0)], ["pid"])[0][0].category
 

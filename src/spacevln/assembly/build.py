@@ -22,11 +22,13 @@ from spacevln.core import (
 )
 from spacevln.environments.houses.environment import HousesEnvironment
 from spacevln.perception import LabelDetector
-from spacevln.perception.open_vocabulary.boxes import BoxRules
-from spacevln.perception.open_vocabulary.compute import Compute
-from spacevln.perception.open_vocabulary.opening import DetectorChoice, open_detector
+from spacevln.perception.open_vocabulary.opening import open_from
+from spacevln.perception.serving import SharedDetector
 from spacevln.reasoning.rules import Gait, RuleExecutor, RulePlanner
 from spacevln.reasoning.spatial_cot import ExecutorPrompt, ModelExecutor, ModelPlanner, PlannerPrompt, PromptSettings
+
+OPENER = "spacevln.perception.open_vocabulary.opening:open_from"
+"""What a detector server opens."""
 
 
 def build_environment(configuration: Configuration) -> Environment:
@@ -73,15 +75,8 @@ def build_detector(configuration: Configuration) -> Detector:
 
 @lru_cache(maxsize=1)
 def _open_vocabulary(settings: OpenVocabularySettings) -> Detector:
-    return open_detector(
-        DetectorChoice(
-            settings.grounder,
-            settings.segmenter,
-            BoxRules(settings.box_threshold, settings.text_threshold),
-            Compute(settings.device, settings.dtype),
-            settings.batch_size,
-        )
-    )
+    values = settings.model_dump(exclude={"shared"})
+    return SharedDetector(OPENER, values) if settings.shared else open_from(**values)
 
 
 def build_agent(

@@ -91,6 +91,7 @@ class OpenVocabularySettings(_Settings):
         box_threshold, text_threshold: 0.25 and 0.25 for landmarks, 0.5 and 0.5 for object goals.
         device, dtype: where and how precisely.
         batch_size: images per forward pass.
+        shared: one process of this machine holds the models for every worker.
     """
 
     grounder: str
@@ -100,6 +101,7 @@ class OpenVocabularySettings(_Settings):
     device: Literal["auto", "cpu", "cuda", "mps"] = "auto"
     dtype: Literal["float32", "float16", "bfloat16"] = "float32"
     batch_size: PositiveInt = 12
+    shared: bool = False
 
 
 class ComponentSettings(_Settings):

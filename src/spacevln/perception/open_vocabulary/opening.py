@@ -8,7 +8,7 @@ from pathlib import Path
 from spacevln.core import UnknownNameError, UsageError
 from spacevln.perception.open_vocabulary.boxes import BoxRules
 from spacevln.perception.open_vocabulary.checkpoints import need
-from spacevln.perception.open_vocabulary.compute import Compute
+from spacevln.perception.open_vocabulary.compute import Compute, Device, Precision
 from spacevln.perception.open_vocabulary.detector import Grounder, OpenVocabularyDetector, Segmenter
 from spacevln.perception.weights import WeightStore, catalogue
 
@@ -50,6 +50,24 @@ def open_detector(choice: DetectorChoice, store: WeightStore | None = None) -> O
     grounder = _grounder(choice, store.open(choice.grounder))
     segmenter = None if choice.segmenter == BOXES_ONLY else _segmenter(choice, store.open(choice.segmenter))
     return OpenVocabularyDetector(grounder, segmenter, choice.rules, choice.batch_size)
+
+
+def open_from(
+    grounder: str,
+    segmenter: str,
+    box_threshold: float,
+    text_threshold: float,
+    device: Device,
+    dtype: Precision,
+    batch_size: int,
+) -> OpenVocabularyDetector:
+    """The same from plain values, as they come out of a configuration, here or in a detector server.
+
+    Raises:
+        UsageError, PrerequisiteError: see :func:`open_detector`.
+    """
+    rules = BoxRules(box_threshold, text_threshold)
+    return open_detector(DetectorChoice(grounder, segmenter, rules, Compute(device, dtype), batch_size))
 
 
 def _check(choice: DetectorChoice) -> None:

@@ -1,4 +1,4 @@
-"""One detector for many processes of a machine: a server that batches what comes in, and clients that start it when it is not there."""
+"""One detector for many processes of a machine: a server that batches what comes in, and clients that start it at need."""
 
 from spacevln.perception.serving.client import ServerCounts, SharedDetector
 

@@ -138,7 +138,9 @@ class SharedDetector:
         """A connection to the server, which is started when nobody answers; one client starts, the others wait for it."""
         self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         if self._path.parent.stat().st_uid != os.getuid() or self._path.parent.stat().st_mode & 0o077:
-            raise PrerequisiteError(f"{str(self._path.parent)!r} is open to other users: remove it, or set TMPDIR to another folder.")
+            raise PrerequisiteError(
+                f"{str(self._path.parent)!r} is open to other users: remove it, or set TMPDIR to another folder."
+            )
         connection = self._try()
         if connection is None:
             with self._path.with_suffix(".lock").open("w") as lock:

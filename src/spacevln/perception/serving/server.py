@@ -97,7 +97,7 @@ class DetectorServer:
             send(connection, {"id": header["id"], "error": "usage", "message": str(error)})
         except PrerequisiteError as error:
             send(connection, {"id": header["id"], "error": "prerequisite", "message": str(error)})
-        except Exception as error:  # noqa: BLE001 - the client is told what it was
+        except Exception as error:
             log.exception("detection failed")
             send(connection, {"id": header["id"], "error": "failure", "message": f"{type(error).__name__}: {error}"})
         else:
@@ -137,7 +137,7 @@ def main(arguments: list[str]) -> int:
     try:
         detector = made(factory, json.loads(settings))
     except SpaceVLNError as error:
-        log.error("%s", error)  # noqa: TRY400 - a sentence for a person
+        log.error("%s", error)
         return 3 if isinstance(error, PrerequisiteError) else 2
     DetectorServer(Path(path), detector).run()
     return 0

@@ -1,7 +1,7 @@
 """What goes over the socket between a client and a detector server: JSON frames, masks as bits, images by shared memory.
 
-Nothing is pickled. Images lie in memory that the client owns and hands over as a file descriptor, so that nothing has a name that could
-be left behind; the socket lies in a folder that only its user can enter.
+Nothing is pickled. Images lie in memory that the client owns and hands over as a file descriptor, so that nothing has a name that
+could be left behind; the socket lies in a folder that only its user can enter.
 """
 
 from __future__ import annotations
