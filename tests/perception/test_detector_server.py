@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from echo_detector import Echo, echo
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from spacevln.core import Detection, EnvironmentFailure, PrerequisiteError, UsageError
@@ -53,7 +53,7 @@ def same(a: Detection, b: Detection) -> bool:
     return (a.category, a.box_px, a.confidence) == (b.category, b.box_px, b.confidence) and np.array_equal(a.mask, b.mask)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(st.tuples(st.integers(1, 30), st.integers(1, 30), st.booleans(), st.integers(0, 99)), max_size=6))
 def test_detections_survive_the_wire(rows: list[tuple[int, int, bool, int]]) -> None:
     found = tuple(

@@ -2,7 +2,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from spacevln.core import UsageError
@@ -18,7 +18,7 @@ def tokenize(text: str) -> list[tuple[int, int]]:
     return [(0, 0), *(match.span() for match in re.finditer(r"[a-z0-9]{1,3}|[^\sa-z0-9]", text)), (0, 0)]
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow])
 @given(phrases=PHRASES, max_tokens=st.integers(16, 60))
 def test_every_phrase_owns_exactly_its_own_tokens(phrases: list[str], max_tokens: int) -> None:
     queries = queries_of(phrases)
@@ -100,7 +100,7 @@ def test_boxes_are_whole_pixels_inside_the_image_and_sound() -> None:
         BoxRules(box_threshold=2)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(st.tuples(*[st.floats(-100, 800)] * 4, st.floats(0, 1), st.floats(0, 1)), max_size=20))
 def test_what_is_chosen_keeps_the_rules(rows: list[tuple[float, ...]]) -> None:
     rules = BoxRules()

@@ -49,7 +49,9 @@ def detector_options(command: F) -> F:
             click.option(
                 "--detector-device", type=click.Choice(["auto", "cpu", "cuda", "mps"]), default="auto", show_default=True
             ),
-            click.option("--share-detector", is_flag=True, help="One process holds the detector for all workers of this machine."),
+            click.option(
+                "--share-detector", is_flag=True, help="One process holds the detector for all workers of this machine."
+            ),
             click.option("--miss-rate", type=click.FloatRange(0, 1), default=0.0, help="Share of labelled instances overlooked."),
             click.option("--confusion-rate", type=click.FloatRange(0, 1), default=0.0, help="Share called by a similar name."),
         )
