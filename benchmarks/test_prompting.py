@@ -40,6 +40,7 @@ class Witness(RulePlanner):
 
 class ExecutorWitness(RuleExecutor):
     def __init__(self) -> None:
+        super().__init__()
         self.acts: list[tuple[ExecutorContext, ExecutorReply]] = []
 
     def act(self, context: ExecutorContext) -> ExecutorReply:
