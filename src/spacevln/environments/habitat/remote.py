@@ -42,7 +42,11 @@ class RemoteWorker:
             )
         self._channel = Channel(_connected(address))
         self.alive = True
-        self.welcome: say.Welcome = self.ask(say.Hello(say.PROTOCOL, token), say.Welcome, START_S)
+        try:
+            self.welcome: say.Welcome = self.ask(say.Hello(say.PROTOCOL, token), say.Welcome, START_S)
+        except UsageError:  # a wrong token: nobody will hold what could hang up later
+            self.close()
+            raise
 
     def ask(self, request: say.Message, kind: type[Answer], deadline_s: float | None = None) -> Answer:
         """The answer to a request.
