@@ -1,6 +1,7 @@
 """A benchmark run that costs nothing: a body in the void, a blind walker, sixteen episodes in four buildings.
 
-``python scripted_bench.py DIRECTORY WORKERS [PACE_S [COUNT]]`` runs or resumes it as ``spacevln bench`` would.
+``python scripted_bench.py DIRECTORY WORKERS [PACE_S [COUNT [HITS]]]`` runs or resumes it as ``spacevln bench`` would; where HITS
+is given, the world waits for that many hits, spread over the run and counted by the size of ``DIRECTORY/hits``.
 """
 
 from __future__ import annotations
@@ -10,8 +11,10 @@ import os
 import resource
 import sys
 import time
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +23,7 @@ from spacevln.assembly import Configuration
 from spacevln.core import (
     Action,
     Camera,
+    Detector,
     EnvironmentSpec,
     EpisodeSpec,
     InstructionTask,
@@ -30,10 +34,12 @@ from spacevln.core import (
     Stop,
 )
 from spacevln.evaluation.attempt import Session
+from spacevln.evaluation.baselines import BLIND_FORWARDS
 from spacevln.evaluation.datasets import EpisodeSequence
 from spacevln.evaluation.episode import Episode, Points
 from spacevln.evaluation.journal import held
-from spacevln.evaluation.pool import Attempt, ProcessPool
+from spacevln.evaluation.pool import Attempt, WatchedPool, Workplace
+from spacevln.evaluation.processes import Processes
 from spacevln.evaluation.runner import alone, run_episodes, write_summary
 from spacevln.recording import RecordLevel, ResultFile, SummaryFile, episode_directory, read_result
 
@@ -41,13 +47,43 @@ COUNT, SCENES = 16, 4
 CAMERA = Camera(width_px=8, height_px=6, hfov_deg=79, height_m=0.88)
 
 
+@dataclass(frozen=True)
+class Gate:
+    """Keeps a run from getting ahead of the hits that it is to take: after the n-th share of results comes the n-th hit.
+
+    An episode waits at a step of its own, and not when it is begun again: who was hit may not be hit twice.
+    """
+
+    directory: Path
+    episodes: int
+    hits: int = 0
+
+    def step_of(self, episode_id: str, before: int) -> int | None:
+        """Before which forward an episode waits."""
+        return zlib.crc32(episode_id.encode()) % BLIND_FORWARDS if self.hits and not before else None
+
+    def wait(self) -> None:
+        while self._results() >= self.episodes * (self._taken() + 1) // (self.hits + 1):
+            time.sleep(0.02)
+
+    def _results(self) -> int:
+        return sum(1 for _ in self.directory.glob("episodes/*/result.json"))
+
+    def _taken(self) -> int:
+        file = self.directory / "hits"
+        return file.stat().st_size if file.exists() else 0
+
+
 class Void:
     """Nothing but a body; every forward takes ``pace_s`` seconds."""
 
-    def __init__(self, pace_s: float) -> None:
+    def __init__(self, pace_s: float, gate: Gate) -> None:
         self.spec = EnvironmentSpec(camera=CAMERA)
+        self.waits_at: int | None = None
         self._pace_s = pace_s
+        self._gate = gate
         self._pose = Pose(0.0, 0.0)
+        self._forwards = 0
 
     def reset(self, episode: EpisodeSpec) -> Observation:
         if episode.task == InstructionTask("die"):
@@ -56,7 +92,7 @@ class Void:
             time.sleep(3600)
         if episode.task == InstructionTask("fill"):  # what a full disk does: the next write of this process is refused
             resource.setrlimit(resource.RLIMIT_FSIZE, (1, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
-        self._pose = Pose(0.0, 0.0)
+        self._pose, self._forwards = Pose(0.0, 0.0), 0
         return self.observe()
 
     def observe(self) -> Observation:
@@ -65,6 +101,9 @@ class Void:
 
     def execute(self, action: Action) -> Motion:
         if isinstance(action, MoveForward):
+            if self._forwards == self.waits_at:
+                self._gate.wait()
+            self._forwards += 1
             time.sleep(self._pace_s)
             self._pose = self._pose.compose(Pose(action.distance_m, 0.0))
             return Motion(action.distance_m, 0.0, False)
@@ -108,18 +147,27 @@ def scripted_episodes(count: int = COUNT, instructions: tuple[str, ...] = ()) ->
 
 
 @contextmanager
-def open_void(job: str) -> Iterator[Attempt]:
+def open_void(job: str, detector: Detector | None = None, /) -> Iterator[Attempt]:
+    del detector
     settings = json.loads(job)
     episodes = scripted_episodes(settings["count"], tuple(settings["instructions"]))
-    with Session(Configuration(driver="forward"), Void(settings["pace_s"])) as session:
+    gate = Gate(Path(settings["directory"]), settings["count"], settings["hits"])
+    void = Void(settings["pace_s"], gate)
+    with Session(Configuration(driver="forward"), void) as session:
 
         def attempt(episode_id: str, before: int) -> None:
             folder = episode_directory(Path(settings["directory"]), episode_id)
             with held(folder):
                 if read_result(folder) is None:
+                    void.waits_at = gate.step_of(episode_id, before)
                     session.attempt(episodes.by_id(episode_id), folder, level=RecordLevel.LIGHT, restarts=before)
 
         yield attempt
+
+
+def job(directory: Path, pace_s: float = 0.0, count: int = COUNT, instructions: tuple[str, ...] = (), hits: int = 0) -> str:
+    """What :func:`open_void` opens."""
+    return json.dumps({"directory": str(directory), "pace_s": pace_s, "count": count, "instructions": instructions, "hits": hits})
 
 
 def _ignore(result: ResultFile) -> None:
@@ -133,11 +181,13 @@ def run(
     count: int = COUNT,
     instructions: tuple[str, ...] = (),
     deadline_s: float | None = None,
+    hits: int = 0,
+    workplace: Workplace | None = None,
 ) -> SummaryFile:
-    settings = {"directory": str(directory), "pace_s": pace_s, "count": count, "instructions": instructions}
     episodes = scripted_episodes(count, instructions)
     with alone(directory):
-        pool = ProcessPool(open_void, json.dumps(settings), workers, deadline_s)
+        what = job(directory, pace_s, count, instructions, hits)
+        pool = WatchedPool(workplace or Processes(), open_void, what, workers, deadline_s)
         run_episodes(episodes, directory, pool, _ignore)
     return write_summary(episodes, directory)
 
@@ -145,4 +195,5 @@ def run(
 if __name__ == "__main__":
     target = Path(sys.argv[1])
     target.mkdir(parents=True, exist_ok=True)
-    run(target, int(sys.argv[2]), *map(float, sys.argv[3:4]), *map(int, sys.argv[4:5]))
+    pace, number, to_take = (*sys.argv[3:6], *("0", str(COUNT), "0")[len(sys.argv[3:6]) :])
+    run(target, int(sys.argv[2]), float(pace), int(number), hits=int(to_take))

@@ -79,9 +79,14 @@ def test_the_frontier_walker_looks_around_then_gets_about(tmp_path: Path) -> Non
     with Session(Configuration(driver="frontier", step_budget=40)) as session:
         result = session.attempt(house_episode("houses-objectnav-000005"), tmp_path, level=RecordLevel.LIGHT)
     taken = [action for _, action, _ in actions(tmp_path)]
-    assert taken[:12] == ["left 30"] * 12
+    look_around = ["left 30"] * 12
+    assert taken[:12] == look_around
+    forwards = [index for index, action in enumerate(taken) if action.startswith("forward")]
+    assert look_around in [taken[index : index + 12] for index in range(forwards[0], 40)]  # it reached a frontier
     assert result.metrics.steps == 40
-    assert result.metrics.path_length > 1.0
+    unblocked_m = 0.25 * (len(forwards) - result.metrics.collisions)
+    assert unblocked_m <= result.metrics.path_length <= 0.25 * len(forwards)
+    assert result.metrics.path_length > 1.0  # 24 of its 39 moves look around; the frontier is 1.2 m away
 
 
 def test_a_free_instruction_claims_nothing(tmp_path: Path) -> None:

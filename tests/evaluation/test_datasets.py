@@ -186,6 +186,16 @@ def test_the_papers_subset_confirms_its_number(tmp_path: Path) -> None:
     assert "1839 episodes, as in the paper" in datasets.load("r2r-ce", tmp_path, split="paper").notes[-1]
 
 
+def test_the_authors_list_of_ids_is_the_papers_subset_of_gn_bench(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    made_up.write_gn(tmp_path / "InteriorGS_test_unseen.parquet", [made_up.gn_row(n) for n in range(1001)])
+    listed = [f"0001_000000_{n}" for n in range(1000)]
+    episodes = datasets.load("gn-bench", tmp_path, split="paper", ids=listed)
+    assert len(episodes) == 1000
+    assert "1000 episodes, as in the paper" in episodes.notes[-1]
+    assert datasets.Filters(ids=tuple(listed)).words.startswith("ids=1000 of sha256 ")
+
+
 @pytest.mark.parametrize(
     ("name", "filters"),
     [

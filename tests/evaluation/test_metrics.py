@@ -118,13 +118,16 @@ def test_stop_must_be_within_the_budget(actions: str, accepted: bool) -> None:
     assert budget.can_move is False  # the last step is held for STOP
 
 
-def test_the_camera_of_the_paper() -> None:
-    """Worked example 23: 640 x 480 at 79 degrees."""
-    camera = Camera(width_px=640, height_px=480, hfov_deg=79, height_m=0.88)
-    assert (camera.fx_px, camera.fy_px) == pytest.approx((388.19, 388.19), abs=0.005)
-    assert (camera.cx_px, camera.cy_px) == (320, 240)
-    vertical = 2 * math.degrees(math.atan(240 / camera.fy_px))
-    assert vertical == pytest.approx(63.45, abs=0.005)
+@pytest.mark.parametrize(
+    ("width", "height", "hfov", "focal", "vfov"),
+    [(640, 480, 79.0, 388.19, 63.45), (360, 640, 42.0, 468.9, 68.62), (480, 360, 86.07, 257.07, 70.0)],
+)
+def test_the_cameras_of_the_benchmarks(width: int, height: int, hfov: float, focal: float, vfov: float) -> None:
+    """Worked example 23: the paper's, HM3D-OVON's Stretch, and GN-Bench's with 70 degrees as its vertical field of view."""
+    camera = Camera(width_px=width, height_px=height, hfov_deg=hfov, height_m=0.88)
+    assert (camera.fx_px, camera.fy_px) == pytest.approx((focal, focal), abs=0.05)
+    assert (camera.cx_px, camera.cy_px) == (width / 2, height / 2)  # pixel edges
+    assert camera.vfov_deg == pytest.approx(vfov, abs=0.005)
 
 
 def test_a_look_around_returns_to_its_heading() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import stat
 from pathlib import Path
 
 import pytest
@@ -38,6 +40,16 @@ def test_the_first_result_stands(tmp_path: Path) -> None:
     write_file(path, summary(2), first_stands=True)
     assert read_file(path, SummaryFile).episodes == 1
     assert [each.name for each in tmp_path.iterdir()] == ["result.json"]
+
+
+def test_others_may_read_it_as_the_umask_says(tmp_path: Path) -> None:
+    before = os.umask(0o027)
+    try:
+        write_file(tmp_path / "result.json", summary(1), first_stands=True)
+        write_file(tmp_path / "summary.json", summary(1))
+    finally:
+        os.umask(before)
+    assert [stat.S_IMODE(each.stat().st_mode) for each in tmp_path.iterdir()] == [0o640, 0o640]
 
 
 @pytest.mark.parametrize("content", ["", "{", '{"episodes": "many"}', '{"episodes": 1, "surprise": 2}'])

@@ -13,7 +13,7 @@ from spacevln.assembly.configuration import (
     PromptOptions,
 )
 from spacevln.assembly.habitat_presets import PRESETS, HabitatPreset, preset_of
-from spacevln.assembly.presets import ABLATIONS, PAPER, ablation_of
+from spacevln.assembly.presets import ABLATIONS, PAPER, ablation_of, same_programs
 from spacevln.assembly.registration import RegisteredEnvironment
 from spacevln.assembly.situations import RecordedSituations
 
@@ -40,4 +40,5 @@ __all__ = [
     "check_settings",
     "preset_of",
     "prompt_settings",
+    "same_programs",
 ]

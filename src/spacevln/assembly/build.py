@@ -84,6 +84,7 @@ def build_agent(
     environment: Environment,
     sinks: Sequence[EventSink] = (),
     models: Mapping[Role, ChatModel] | None = None,
+    detector: Detector | None = None,
 ) -> NavigationAgent:
     """The agent of a run: detector, planner, executor, components, listeners.
 
@@ -92,18 +93,18 @@ def build_agent(
         environment: that it drives.
         sinks: listeners.
         models: chat models by role, for a planner or executor that asks one.
+        detector: used instead of a new one of the configuration's.
 
     Raises:
         UsageError: a model is needed and not given.
     """
-    detector = build_detector(configuration)
     settings = AgentSettings(
         components=Components(**configuration.components.model_dump()),
         step_limit=configuration.step_budget,
     )
     planner = _planner(configuration, environment.spec, models or {})
     executor = _executor(configuration, environment.spec, models or {})
-    return NavigationAgent(environment, detector, planner, executor, settings, sinks)
+    return NavigationAgent(environment, detector or build_detector(configuration), planner, executor, settings, sinks)
 
 
 def _planner(configuration: Configuration, spec: EnvironmentSpec, models: Mapping[Role, ChatModel]) -> Planner:

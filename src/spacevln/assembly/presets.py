@@ -30,3 +30,20 @@ PAPER = "paper"
 def ablation_of(components: ComponentSettings) -> str | None:
     """Row of Table 4 with these components; None when it is none of them."""
     return next((name for name, row in ABLATIONS.items() if row == components), None)
+
+
+def same_programs(planner: str, executor: str) -> dict[str, str]:
+    """Presets that are another preset's program, by name: rules have no reasoning text that one could leave out.
+
+    Args:
+        planner, executor: who reasons, ``"rules"`` or ``"vlm"``.
+    """
+    textless = {"planner_scot": planner == "rules", "executor_scot": executor == "rules"}
+    idle = {switch: True for switch, rules in textless.items() if rules}
+    first: dict[ComponentSettings, str] = {}
+    same: dict[str, str] = {}
+    for name, components in ABLATIONS.items():
+        program = components.model_copy(update=idle)
+        if first.setdefault(program, name) != name:
+            same[name] = first[program]
+    return same

@@ -7,40 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacevln.cli.attempting import FAILED_STATUSES, attempt_all, run_options
 from spacevln.cli.costs import usage_line
 from spacevln.cli.data_options import data_options, selection_from
 from spacevln.cli.forecast import forecast_options, tell_forecast
 from spacevln.cli.habitat_options import habitat_options, in_habitat
-from spacevln.cli.model_options import access_from
 from spacevln.cli.options import Driver, agent_options, configuration_from
 
 if TYPE_CHECKING:
     from spacevln.assembly import Configuration
     from spacevln.evaluation.datasets import Selection
     from spacevln.recording import ResultFile, SummaryFile
-
-FAILED_STATUSES = frozenset({"model_failure", "environment_failure", "safety"})
-
-
-def run_options(command: Any) -> Any:
-    """How a suite is run."""
-    for option in reversed(
-        (
-            click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes."),
-            click.option(
-                "--deadline",
-                type=click.FloatRange(min=0, min_open=True),
-                default=None,
-                metavar="S",
-                help="A worker that takes longer for an episode is killed, which counts as its death.",
-            ),
-            click.option(
-                "--level", type=click.Choice(["light", "full"]), default="light", show_default=True, help="How much is recorded."
-            ),
-        )
-    ):
-        command = option(command)
-    return command
 
 
 @click.command()
@@ -57,12 +34,9 @@ def run_options(command: Any) -> Any:
 @habitat_options
 @forecast_options
 @agent_options
-def bench(suite: str, driver: Driver, workers: int, deadline: float | None, level: str, out: Path | None, **options: Any) -> int:
+def bench(suite: str, driver: Driver, out: Path | None, **options: Any) -> int:
     """Run SUITE (houses-vln, houses-objectnav, r2r-ce, rxr-ce, hm3d-ovon); the same command on the same --out resumes."""
-    from spacevln.cli.output import describe_run, prepare
-    from spacevln.evaluation.runner import Job, claim_directory
-    from spacevln.evaluation.runner import bench as run_suite
-    from spacevln.recording import RecordLevel
+    from spacevln.cli.output import prepare
     from spacevln.viewer import write_site
 
     selection = selection_from(suite, options)
@@ -71,15 +45,11 @@ def bench(suite: str, driver: Driver, workers: int, deadline: float | None, leve
     for note in episodes.notes:
         click.echo(f"data     {note}")
     if options["dry_run"]:
-        tell_forecast(configuration, episodes, out, workers, options["forecast_from"])
+        tell_forecast(configuration, episodes, out, options["workers"], options["forecast_from"])
         return 0
     directory = prepare(out)
-    claim_directory(directory, describe_run(selection.name, configuration, episodes.source))
-    job = Job(selection, configuration, directory, RecordLevel(level), access_from(options, directory))
-    progress = Progress(len(episodes))
-    with progress:
-        summary = run_suite(job, workers, progress.add, deadline_s=deadline)
-    tell(summary, progress.results)
+    summary, results = attempt_all(selection, configuration, episodes, directory, options)
+    tell(summary, results)
     click.echo(f"record   {directory}")
     click.echo(f"pages    {write_site(directory, missing_only=True)}")
     return 1 if FAILED_STATUSES & set(summary.statuses) else 0
@@ -106,35 +76,6 @@ def placed(configuration: Configuration, selection: Selection, options: dict[str
     said = click.get_current_context().get_parameter_source("sliding")
     given = said is not None and said.name != "DEFAULT"
     return in_habitat(configuration, selection.suite, options, sliding=options["sliding"] if given else None)
-
-
-class Progress:
-    """A bar with the success so far, the cost, and the time left; plain lines where there is no terminal."""
-
-    def __init__(self, total: int) -> None:
-        from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-        from rich.progress import Progress as Bar
-
-        self.results: list[ResultFile] = []
-        self._bar = Bar(
-            TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), transient=True
-        )
-        self._task = self._bar.add_task("starting", total=total)
-
-    def __enter__(self) -> None:
-        self._bar.start()
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
-
-    def add(self, result: ResultFile) -> None:
-        """Count a result."""
-        self.results.append(result)
-        judged = [each.metrics.SR for each in self.results if each.metrics.SR is not None]
-        words = [f"SR {100 * sum(judged) / len(judged):.0f} %" if judged else "running"]
-        usd = sum(part.usd for each in self.results for part in each.usage.values())
-        words += [f"{usd:.2f} USD"] if usd else []
-        self._bar.update(self._task, advance=1, description=", ".join(words))
 
 
 def tell(summary: SummaryFile, results: list[ResultFile]) -> None:

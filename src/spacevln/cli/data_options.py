@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacevln.cli.option_groups import option_group
+
 if TYPE_CHECKING:
     from spacevln.evaluation.datasets import Selection
-
-F = TypeVar("F", bound=Callable[..., Any])
 
 FILTERS = ("language", "role", "available_in", "scene", "ids", "slice", "sample")
 
@@ -36,48 +35,62 @@ def _shard(_context: click.Context, _parameter: click.Parameter, value: str | No
     return int(number), int(count)
 
 
-def data_options(command: F) -> F:
-    """Which episodes."""
-    folder = click.Path(path_type=Path)
-    for option in reversed(
-        (
-            click.option(
-                "--split",
-                default=None,
-                help="Of the suite; by default test, for R2R-CE and the like val_unseen; paper: the paper's.",
-            ),
-            click.option(
-                "--data", type=folder, default=None, help="Folder or file of a benchmark's episodes, or a suite's file."
-            ),
-            click.option(
-                "--seeds",
-                callback=_seed_range,
-                metavar="A:B",
-                default=None,
-                help="One fresh episode of each house seed A..B-1 instead of the split.",
-            ),
-            click.option("--language", multiple=True, help="RxR-CE: en-US, en-IN, hi-IN, te-IN; may be given several times."),
-            click.option("--role", multiple=True, help="RxR-CE: guide or follower; may be given several times."),
-            click.option("--scene", multiple=True, help="Only episodes in this building; may be given several times."),
-            click.option("--ids", multiple=True, metavar="ID", help="Only this episode; may be given several times."),
-            click.option("--slice", default=None, metavar="A:B", help="Only the A-th up to before the B-th of what is left."),
-            click.option("--sample", type=click.IntRange(min=1), default=None, help="Only so many of what is left, drawn."),
-            click.option("--sample-seed", type=click.IntRange(min=0), default=0, help="Of the draw."),
-            click.option(
-                "--available-in", type=folder, default=None, help="Only episodes whose building lies in this folder of scenes."
-            ),
-            click.option("--episodes", type=click.IntRange(min=1), default=None, help="Only the first so many."),
-            click.option("--shard", callback=_shard, metavar="I/N", default=None, help="Only every N-th, from the I-th on."),
-            click.option(
-                "--probe",
-                type=click.Choice(["none", "swapped", "last-noun"]),
-                default="none",
-                help="Another instruction: does it matter?",
-            ),
-        )
-    ):
-        command = option(command)
-    return command
+def _names(_context: click.Context, _parameter: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    """Names, and the lines of files that are named by ``@FILE``."""
+    found: list[str] = []
+    for value in values:
+        if not value.startswith("@"):
+            found.append(value)
+            continue
+        try:
+            lines = Path(value[1:]).read_text(encoding="utf-8").splitlines()
+        except (OSError, UnicodeDecodeError) as error:
+            raise click.BadParameter(f"{value[1:]!r} cannot be read as text: give a file with one id a line.") from error
+        found += [line.strip() for line in lines if line.strip()]
+    return tuple(found)
+
+
+_FOLDER = click.Path(path_type=Path)
+data_options = option_group(
+    click.option(
+        "--split",
+        default=None,
+        help="Of the suite; by default test, for R2R-CE and the like val_unseen; paper: the paper's.",
+    ),
+    click.option("--data", type=_FOLDER, default=None, help="Folder or file of a benchmark's episodes, or a suite's file."),
+    click.option(
+        "--seeds",
+        callback=_seed_range,
+        metavar="A:B",
+        default=None,
+        help="One fresh episode of each house seed A..B-1 instead of the split.",
+    ),
+    click.option("--language", multiple=True, help="RxR-CE: en-US, en-IN, hi-IN, te-IN; may be given several times."),
+    click.option("--role", multiple=True, help="RxR-CE: guide or follower; may be given several times."),
+    click.option("--scene", multiple=True, help="Only episodes in this building; may be given several times."),
+    click.option(
+        "--ids",
+        multiple=True,
+        callback=_names,
+        metavar="ID|@FILE",
+        help="Only this episode, or those of a file, one a line; may be given several times.",
+    ),
+    click.option("--slice", default=None, metavar="A:B", help="Only the A-th up to before the B-th of what is left."),
+    click.option("--sample", type=click.IntRange(min=1), default=None, help="Only so many of what is left, drawn."),
+    click.option("--sample-seed", type=click.IntRange(min=0), default=0, help="Of the draw."),
+    click.option(
+        "--available-in", type=_FOLDER, default=None, help="Only episodes whose building lies in this folder of scenes."
+    ),
+    click.option("--episodes", type=click.IntRange(min=1), default=None, help="Only the first so many."),
+    click.option("--shard", callback=_shard, metavar="I/N", default=None, help="Only every N-th, from the I-th on."),
+    click.option(
+        "--probe",
+        type=click.Choice(["none", "swapped", "last-noun"]),
+        default="none",
+        help="Another instruction: does it matter?",
+    ),
+)
+"""Which episodes."""
 
 
 def selection_from(suite: str, options: dict[str, Any]) -> Selection:

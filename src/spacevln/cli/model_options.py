@@ -2,78 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
+
+from spacevln.cli.option_groups import option_group
 
 if TYPE_CHECKING:
     from spacevln.assembly import ModelPair
     from spacevln.models import ModelChoice, RunAccess
     from spacevln.models.prices import PriceRule
 
-F = TypeVar("F", bound=Callable[..., Any])
-
 REASONERS = click.Choice(["rules", "vlm"])
 PAIRS_HELP = "PROVIDER:MODEL, a pair of the paper (paper-qwen3.5 ...), relay:FOLDER, or a name with --base-url."
 
 
-def choice_options(command: F) -> F:
-    """Which model, and how it is asked."""
-    for option in reversed(
-        (
-            click.option("--model", default=None, metavar="NAME", help=PAIRS_HELP),
-            click.option("--executor-model", default=None, metavar="NAME", help="Another model for the executor."),
-            click.option("--base-url", default=None, metavar="URL", help="Of an OpenAI-compatible endpoint."),
-            click.option(
-                "--thinking",
-                default="0",
-                show_default=True,
-                metavar="TOKENS",
-                help="Budget of thought per call; 0 = none, 'default' = as the provider likes.",
-            ),
-            click.option(
-                "--temperature", type=click.FloatRange(0, 2), default=0.1, show_default=True, help="Of the model's choices."
-            ),
-            click.option("--price", default=None, metavar="IN/OUT", help="USD per million tokens, where the table has none."),
-            click.option(
-                "--usd-per-hour", type=click.FloatRange(min=0, min_open=True), default=None, help="Price of a server of your own."
-            ),
-        )
-    ):
-        command = option(command)
-    return command
+choice_options = option_group(
+    click.option("--model", default=None, metavar="NAME", help=PAIRS_HELP),
+    click.option("--executor-model", default=None, metavar="NAME", help="Another model for the executor."),
+    click.option("--base-url", default=None, metavar="URL", help="Of an OpenAI-compatible endpoint."),
+    click.option(
+        "--thinking",
+        default="0",
+        show_default=True,
+        metavar="TOKENS",
+        help="Budget of thought per call; 0 = none, 'default' = as the provider likes.",
+    ),
+    click.option("--temperature", type=click.FloatRange(0, 2), default=0.1, show_default=True, help="Of the model's choices."),
+    click.option("--price", default=None, metavar="IN/OUT", help="USD per million tokens, where the table has none."),
+    click.option(
+        "--usd-per-hour", type=click.FloatRange(min=0, min_open=True), default=None, help="Price of a server of your own."
+    ),
+)
+"""Which model, and how it is asked."""
 
 
-def access_options(command: F) -> F:
-    """What a run lets its models do."""
-    for option in reversed(
-        (
-            click.option("--max-usd", type=click.FloatRange(min=0, min_open=True), default=None, help="Stop asking beyond it."),
-            click.option(
-                "--requests-per-minute",
-                type=click.FloatRange(min=0, min_open=True),
-                default=None,
-                help="Rate limit over all workers.",
-            ),
-            click.option(
-                "--hedge-after",
-                type=click.FloatRange(min=0, min_open=True),
-                default=None,
-                metavar="S",
-                help="Send a second request when the first is silent for so long.",
-            ),
-            click.option(
-                "--reply-cache",
-                type=click.Path(path_type=Path, file_okay=False),
-                default=None,
-                help="Keep replies here, and ask only what has changed.",
-            ),
-        )
-    ):
-        command = option(command)
-    return command
+access_options = option_group(
+    click.option("--max-usd", type=click.FloatRange(min=0, min_open=True), default=None, help="Stop asking beyond it."),
+    click.option(
+        "--requests-per-minute",
+        type=click.FloatRange(min=0, min_open=True),
+        default=None,
+        help="Rate limit over all workers.",
+    ),
+    click.option(
+        "--hedge-after",
+        type=click.FloatRange(min=0, min_open=True),
+        default=None,
+        metavar="S",
+        help="Send a second request when the first is silent for so long.",
+    ),
+    click.option(
+        "--reply-cache",
+        type=click.Path(path_type=Path, file_okay=False),
+        default=None,
+        help="Keep replies here, and ask only what has changed.",
+    ),
+)
+"""What a run lets its models do."""
 
 
 def models_from(options: dict[str, Any]) -> ModelPair | None:

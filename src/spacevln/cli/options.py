@@ -2,43 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
 from spacevln.cli.detector_options import detector_from, detector_options
 from spacevln.cli.model_options import REASONERS, access_options, choice_options, models_from
+from spacevln.cli.option_groups import option_group
 from spacevln.cli.prompt_options import ablation_options, components_from, prompt_options, prompts_from
 
 if TYPE_CHECKING:
     from spacevln.assembly import Configuration
 
-F = TypeVar("F", bound=Callable[..., Any])
 
-
-def agent_options(command: F) -> F:
-    """Who reasons, with which components, in which world, and where the record goes."""
-    for option in reversed(
-        (
-            click.option("--planner", type=REASONERS, default=None, help="Who reasons; vlm where --model is given, else rules."),
-            click.option("--executor", type=REASONERS, default=None, help="Who acts, if not the planner's kind."),
-            choice_options,
-            access_options,
-            ablation_options,
-            prompt_options,
-            click.option("--renderer", type=click.Choice(["auto", "gl", "raycast"]), default="auto", show_default=True),
-            click.option(
-                "--sliding/--no-sliding", default=True, show_default=True, help="Slide along obstacles, as VLN-CE does."
-            ),
-            detector_options,
-            click.option("--steps", type=click.IntRange(min=1), default=None, help="Step budget, STOP included."),
-            click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=None, help="Run directory."),
-        )
-    ):
-        command = option(command)
-    return command
+agent_options = option_group(
+    click.option("--planner", type=REASONERS, default=None, help="Who reasons; vlm where --model is given, else rules."),
+    click.option("--executor", type=REASONERS, default=None, help="Who acts, if not the planner's kind."),
+    choice_options,
+    access_options,
+    ablation_options,
+    prompt_options,
+    click.option("--renderer", type=click.Choice(["auto", "gl", "raycast"]), default="auto", show_default=True),
+    click.option("--sliding/--no-sliding", default=True, show_default=True, help="Slide along obstacles, as VLN-CE does."),
+    detector_options,
+    click.option("--steps", type=click.IntRange(min=1), default=None, help="Step budget, STOP included."),
+    click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=None, help="Run directory."),
+)
+"""Who reasons, with which components, in which world, and where the record goes."""
 
 
 Driver = Literal["agent", "random", "forward", "frontier", "oracle", "reference"]

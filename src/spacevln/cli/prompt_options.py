@@ -2,53 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacevln.cli.option_groups import option_group
+
 if TYPE_CHECKING:
     from spacevln.assembly import ComponentSettings, PromptOptions
-
-F = TypeVar("F", bound=Callable[..., Any])
 
 COMPONENTS = ("hsm", "landmark_memory", "planner_scot", "executor_scot", "stagewise")
 PRESETS = ("paper", "full", "-HSM-LLM", "-HSM", "-LLM", "-P-E-SC", "-P-SC", "-P-E", "-P", "-E")
 LOOKAROUND_VIEWS = 12  # of a simulated body, which turns by 30 degrees
 
 
-def ablation_options(command: F) -> F:
-    """Which components are on."""
-    for option in reversed(
-        (
-            click.option(
-                "--preset",
-                type=click.Choice(PRESETS),
-                default=None,
-                help="A row of the paper's Table 4 by what it leaves out (LLM = Local Landmark Memory), or its faithful mode.",
-            ),
-            click.option("--without", multiple=True, type=click.Choice(COMPONENTS), help="Switch a component off (ablation)."),
-        )
-    ):
-        command = option(command)
-    return command
+ablation_options = option_group(
+    click.option(
+        "--preset",
+        type=click.Choice(PRESETS),
+        default=None,
+        help="A row of the paper's Table 4 by what it leaves out (LLM = Local Landmark Memory), or its faithful mode.",
+    ),
+    click.option("--without", multiple=True, type=click.Choice(COMPONENTS), help="Switch a component off (ablation)."),
+)
+"""Which components are on."""
 
-
-def prompt_options(command: F) -> F:
-    """What a model is shown."""
-    width = click.IntRange(64, 4096)
-    for option in reversed(
-        (
-            click.option("--views", type=click.IntRange(min=1), default=None, help="Views shown to the planner.  [default: 12]"),
-            click.option("--layout", type=click.Choice(["separate", "mosaic"]), default=None, help="Of the views."),
-            click.option("--view-width", type=width, default=None, metavar="PX", help="Of a view.  [default: 512]"),
-            click.option("--forward-width", type=width, default=None, metavar="PX", help="Of the front view.  [default: 512]"),
-            click.option("--jpeg-quality", type=click.IntRange(1, 100), default=None, help="Of all views.  [default: 75]"),
-            click.option("--detections/--no-detections", default=None, help="Show detections in the planner's views."),
-        )
-    ):
-        command = option(command)
-    return command
+_WIDTH = click.IntRange(64, 4096)
+prompt_options = option_group(
+    click.option("--views", type=click.IntRange(min=1), default=None, help="Views shown to the planner.  [default: 12]"),
+    click.option("--layout", type=click.Choice(["separate", "mosaic"]), default=None, help="Of the views."),
+    click.option("--view-width", type=_WIDTH, default=None, metavar="PX", help="Of a view.  [default: 512]"),
+    click.option("--forward-width", type=_WIDTH, default=None, metavar="PX", help="Of the front view.  [default: 512]"),
+    click.option("--jpeg-quality", type=click.IntRange(1, 100), default=None, help="Of all views.  [default: 75]"),
+    click.option("--detections/--no-detections", default=None, help="Show detections in the planner's views."),
+)
+"""What a model is shown."""
 
 
 def components_from(options: dict[str, Any], planner: str, executor: str) -> ComponentSettings:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from spacevln.cli.attempting import FAILED_STATUSES
 from spacevln.cli.bench import placed
 from spacevln.cli.costs import usage_line
 from spacevln.cli.habitat_options import habitat_options
@@ -150,4 +151,4 @@ def exit_code(result: ResultFile) -> int:
     """DESIGN 5.10: 0 done, 1 a failure of model or world, 130 interrupted."""
     if result.status == "interrupted":
         return 130
-    return 1 if result.status in ("model_failure", "environment_failure", "safety") else 0
+    return int(result.status in FAILED_STATUSES)

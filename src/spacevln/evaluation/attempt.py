@@ -13,6 +13,7 @@ from types import TracebackType
 from spacevln.agent import EpisodeResult
 from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_detector, build_environment, check_settings
 from spacevln.core import (
+    Detector,
     Environment,
     EnvironmentFailure,
     Event,
@@ -43,7 +44,7 @@ class Session(AbstractContextManager["Session"]):
 
     Args:
         configuration: of the run.
-        environment: used instead of the one that the configuration names.
+        environment, detector: used instead of those that the configuration names.
         access: what the run lets its models do.
 
     Raises:
@@ -51,9 +52,14 @@ class Session(AbstractContextManager["Session"]):
     """
 
     def __init__(
-        self, configuration: Configuration, environment: Environment | None = None, access: RunAccess | None = None
+        self,
+        configuration: Configuration,
+        environment: Environment | None = None,
+        access: RunAccess | None = None,
+        detector: Detector | None = None,
     ) -> None:
         self._configuration = configuration
+        self._detector = detector or build_detector(configuration)
         self._desk = None if configuration.models is None else ModelDesk(configuration.models.choices, access)
         self._environment = environment or build_environment(configuration)
         check_settings(configuration, self._environment.spec)
@@ -156,13 +162,13 @@ class Session(AbstractContextManager["Session"]):
                 environment = self._environment if known is None else RegisteredEnvironment(self._environment, known)
                 building = None if known is None else known.building
                 models = None if self._desk is None else self._desk.for_episode(_teller(sinks))
-                return build_agent(self._configuration, environment, sinks, models).run(episode.spec, building)
+                return build_agent(self._configuration, environment, sinks, models, self._detector).run(episode.spec, building)
             case "random":
                 walker: Walker = RandomWalker(episode.episode_id.encode())
             case "forward":
                 walker = ForwardWalker()
             case "frontier":
-                walker = FrontierWalker(episode.spec.task, build_detector(self._configuration), BLIND_M)
+                walker = FrontierWalker(episode.spec.task, self._detector, BLIND_M)
             case "oracle":
                 if episode.truth is None:
                     raise UsageError(f"{episode.episode_id!r} has no truth that an oracle could follow: use a suite's episode.")

@@ -1,21 +1,19 @@
-"""Worker processes that attempt episodes: one environment each, watched, replaced when they die or take too long."""
+"""Workers that attempt episodes: one environment each, watched, replaced when they die or take too long.
+
+Where they live is a :class:`Workplace`: processes of this machine (:mod:`.processes`) or actors of a Ray cluster
+(:mod:`.ray_cluster`).
+"""
 
 from __future__ import annotations
 
-import json
-import multiprocessing
-import os
-import threading
 import time
 from collections import OrderedDict, deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
-from typing import Protocol
+from typing import Any, Literal, Protocol
 
-from spacevln.core import EnvironmentFailure, PrerequisiteError, RecordError, SpaceVLNError, SpendingLimit, UsageError
+from spacevln.core import Detector, EnvironmentFailure, PrerequisiteError, RecordError, SpaceVLNError, SpendingLimit, UsageError
 
 POLL_S = 0.5
 END_S = 5.0
@@ -27,13 +25,42 @@ MAX_FALSE_STARTS = 10
 Attempt = Callable[[str, int], None]
 """Attempts an episode, given its id and how often it was begun before; the result is on the disk when it returns."""
 
-Opener = Callable[[str], AbstractContextManager[Attempt]]
-"""Opens a worker's environment from a job in JSON; a function of a module, because other processes find it by its name."""
+
+class Opener(Protocol):
+    """Opens a worker's environment; a function of a module, because other processes find it by its name."""
+
+    def __call__(self, job: str, detector: Detector | None = None, /) -> AbstractContextManager[Attempt]:
+        """Open.
+
+        Args:
+            job: what to attempt, in JSON.
+            detector: asked instead of one of the worker's own.
+        """
+
 
 CARRIED: dict[str, type[SpaceVLNError]] = {
     error.__name__: error for error in (UsageError, PrerequisiteError, RecordError, SpendingLimit)
 }
 """Errors of a worker that end the whole run with their sentence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """What a worker says: it is ready, an attempt is over, or an error ends the run.
+
+    Args:
+        kind: which of them.
+        error, sentence: which one of :data:`CARRIED`, and what it says.
+    """
+
+    kind: Literal["ready", "done", "error"]
+    error: str = ""
+    sentence: str = ""
+
+    @classmethod
+    def of(cls, error: SpaceVLNError) -> Message:
+        """Carry an error over."""
+        return cls("error", next(name for name, kind in CARRIED.items() if isinstance(error, kind)), str(error))
 
 
 class Queue:
@@ -102,10 +129,45 @@ class Pool(Protocol):
         """
 
 
+class WorkerLost(Exception):  # noqa: N818 - an event of the pool, no error of the program
+    """A worker is dead or out of reach; the message says how."""
+
+
+class Worker(Protocol):
+    """One environment somewhere, and one attempt at a time in it."""
+
+    def hand_out(self, episode_id: str, before: int) -> None:
+        """Begin an attempt; a worker that is dead says so when it is next heard."""
+
+    def heard(self) -> Message | None:
+        """What it has said since the last time, without waiting.
+
+        Raises:
+            WorkerLost: it will say nothing any more.
+        """
+
+    def kill(self) -> None:
+        """End it at once."""
+
+
+class Workplace(Protocol):
+    """Where workers live."""
+
+    def start(self, opener: Opener, job: str) -> Any:
+        """A new :class:`Worker`."""
+
+    def wait(self, workers: Sequence[Any], timeout_s: float) -> None:
+        """Until one of its workers says something, or for a while."""
+
+    def end(self, workers: Sequence[Any]) -> None:
+        """Let its workers end within :data:`END_S`, then kill them, and leave."""
+
+
 @dataclass(slots=True)
-class _Worker:
-    process: BaseProcess
-    connection: Connection
+class _Post:
+    """A worker, and what it is at."""
+
+    worker: Worker
     ready: bool = False
     episode_id: str | None = None
     scene: str | None = None
@@ -113,15 +175,17 @@ class _Worker:
 
 
 @dataclass(slots=True)
-class ProcessPool:
-    """Workers on this machine.
+class WatchedPool:
+    """Workers of one workplace.
 
     Args:
+        workplace: where they live.
         opener, job: what each of them opens.
         size: how many.
         deadline_s: a worker that takes longer for one episode is killed, which counts as its death; None waits for ever.
     """
 
+    workplace: Workplace
     opener: Opener
     job: str
     size: int
@@ -130,114 +194,57 @@ class ProcessPool:
 
     def outcomes(self, queue: Queue, begin: Callable[[str], int]) -> Iterator[Outcome]:
         """See :class:`Pool`."""
-        workers = [self._start() for _ in range(min(self.size, len(queue)))]
+        posts: list[_Post] = []
         try:
-            while queue or any(worker.episode_id is not None for worker in workers):
-                for worker in workers:
-                    if worker.ready and worker.episode_id is None and queue:
-                        self._assign(worker, queue, [other.scene for other in workers], begin)
-                wait([worker.connection for worker in workers], timeout=POLL_S)
-                for index, worker in enumerate(workers):
-                    outcome = self._collect(worker)
+            posts += [self._start() for _ in range(min(self.size, len(queue)))]
+            while queue or any(post.episode_id is not None for post in posts):
+                for post in posts:
+                    if post.ready and post.episode_id is None and queue:
+                        self._assign(post, queue, [other.scene for other in posts], begin)
+                self.workplace.wait([post.worker for post in posts], POLL_S)
+                for index, post in enumerate(posts):
+                    try:
+                        outcome = self._collect(post)
+                    except WorkerLost as lost:
+                        outcome = None if post.episode_id is None else Outcome(post.episode_id, str(lost))
+                        posts[index] = self._replace(post, str(lost))
                     if outcome is not None:
                         yield outcome
-                    if not worker.process.is_alive() and worker.episode_id is None:
-                        workers[index] = self._replace(worker)
         finally:
-            _end(workers)
+            self.workplace.end([post.worker for post in posts])
 
-    def _start(self) -> _Worker:
-        context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe()
-        process = context.Process(target=work, args=(theirs, self.opener, self.job), daemon=True)
-        process.start()
-        theirs.close()
-        return _Worker(process, ours)
+    def _start(self) -> _Post:
+        return _Post(self.workplace.start(self.opener, self.job))
 
-    def _replace(self, worker: _Worker) -> _Worker:
-        worker.connection.close()
-        self._false_starts += not worker.ready
+    def _replace(self, post: _Post, how: str) -> _Post:
+        self._false_starts += not post.ready
         if self._false_starts == MAX_FALSE_STARTS:
             raise EnvironmentFailure(
-                f"{MAX_FALSE_STARTS} workers in a row died before they were ready, the last with exit code "
-                f"{worker.process.exitcode}: run with --workers 1 and `spacevln doctor`."
+                f"{MAX_FALSE_STARTS} workers in a row died before they were ready, the last one so: {how}; "
+                "run with --workers 1 and `spacevln doctor`."
             )
         return self._start()
 
-    def _assign(self, worker: _Worker, queue: Queue, taken: Sequence[str | None], begin: Callable[[str], int]) -> None:
-        worker.episode_id = queue.take(worker.scene, taken)
-        worker.scene = queue.scene_of(worker.episode_id)
-        worker.begun_s = time.monotonic()
-        try:
-            worker.connection.send_bytes(json.dumps([worker.episode_id, begin(worker.episode_id)]).encode())
-        except OSError:  # the process died while it waited; _collect sees that
-            return
+    def _assign(self, post: _Post, queue: Queue, taken: Sequence[str | None], begin: Callable[[str], int]) -> None:
+        post.episode_id = queue.take(post.scene, taken)
+        post.scene = queue.scene_of(post.episode_id)
+        post.begun_s = time.monotonic()
+        post.worker.hand_out(post.episode_id, begin(post.episode_id))
 
-    def _collect(self, worker: _Worker) -> Outcome | None:
-        try:
-            if worker.connection.poll():
-                return self._heard(worker, json.loads(worker.connection.recv_bytes()))
-        except (EOFError, OSError):
-            worker.process.join()
-            return self._lost(worker, f"exit code {worker.process.exitcode}")
-        late = self.deadline_s is not None and time.monotonic() - worker.begun_s > self.deadline_s
-        if worker.episode_id is not None and late:
-            worker.process.kill()
-            worker.process.join()
-            return self._lost(worker, f"it took longer than {self.deadline_s:g} s")
-        return None
-
-    def _heard(self, worker: _Worker, message: dict[str, str]) -> Outcome | None:
-        if "error" in message:
-            raise CARRIED[message["error"]](message["sentence"])
-        worker.ready = True
+    def _collect(self, post: _Post) -> Outcome | None:
+        message = post.worker.heard()
+        if message is None:
+            late = self.deadline_s is not None and time.monotonic() - post.begun_s > self.deadline_s
+            if post.episode_id is not None and late:
+                post.worker.kill()
+                raise WorkerLost(f"it took longer than {self.deadline_s:g} s")
+            return None
+        if message.kind == "error":
+            raise CARRIED[message.error](message.sentence)
+        post.ready = True
         self._false_starts = 0
-        if worker.episode_id is None:
+        if post.episode_id is None:
             return None
-        done = Outcome(worker.episode_id)
-        worker.episode_id = None
+        done = Outcome(post.episode_id)
+        post.episode_id = None
         return done
-
-    @staticmethod
-    def _lost(worker: _Worker, how: str) -> Outcome | None:
-        if worker.episode_id is None:
-            return None
-        outcome = Outcome(worker.episode_id, how)
-        worker.episode_id = None
-        return outcome
-
-
-def _end(workers: Sequence[_Worker]) -> None:
-    for worker in workers:
-        worker.connection.close()
-    deadline = time.monotonic() + END_S
-    for worker in workers:
-        worker.process.join(timeout=max(0.0, deadline - time.monotonic()))
-        if worker.process.is_alive():
-            worker.process.kill()
-            worker.process.join()
-
-
-def work(connection: Connection, opener: Opener, job: str) -> None:
-    """Body of a worker process: one environment, one episode at a time, until the runner hangs up or is gone."""
-    threading.Thread(target=_die_with_parent, daemon=True).start()
-    try:
-        try:
-            with opener(job) as attempt:
-                connection.send_bytes(json.dumps({"ready": ""}).encode())
-                while True:
-                    episode_id, before = json.loads(connection.recv_bytes())
-                    attempt(episode_id, before)
-                    connection.send_bytes(json.dumps({"done": episode_id}).encode())
-        except tuple(CARRIED.values()) as error:
-            name = next(name for name, kind in CARRIED.items() if isinstance(error, kind))
-            connection.send_bytes(json.dumps({"error": name, "sentence": str(error)}).encode())
-    except (EOFError, BrokenPipeError, KeyboardInterrupt):  # the runner hung up, or the terminal's Ctrl-C reached us as well
-        return
-
-
-def _die_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        wait([parent.sentinel])
-        os._exit(1)  # the runner was killed: what we would write, its successor writes

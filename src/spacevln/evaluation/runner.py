@@ -9,17 +9,19 @@ from __future__ import annotations
 
 import fcntl
 import json
+import platform
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from spacevln.assembly import Configuration
-from spacevln.core import EpisodeStatus, RecordError, UsageError
+from spacevln.core import Detector, EpisodeStatus, RecordError, UsageError
 from spacevln.evaluation.attempt import Session
 from spacevln.evaluation.datasets import EpisodeSequence, Selection
 from spacevln.evaluation.journal import Journal, held, note
-from spacevln.evaluation.pool import Attempt, Outcome, Pool, ProcessPool, Queue
+from spacevln.evaluation.pool import Attempt, Outcome, Pool, Queue, WatchedPool, Workplace
+from spacevln.evaluation.processes import Processes
 from spacevln.evaluation.score import environment_failure
 from spacevln.evaluation.summary import summarise
 from spacevln.models import UNLIMITED, RunAccess
@@ -105,16 +107,21 @@ def finished(directory: Path, episode_id: str) -> ResultFile | None:
 
 
 def bench(
-    job: Job, workers: int, on_result: Callable[[ResultFile], None], *, deadline_s: float | None = None, pool: Pool | None = None
+    job: Job,
+    workers: int,
+    on_result: Callable[[ResultFile], None],
+    *,
+    deadline_s: float | None = None,
+    workplace: Workplace | None = None,
 ) -> SummaryFile:
     """Run every episode that has no result, then write ``summary.json``.
 
     Args:
         job: what to run and where.
-        workers: number of processes.
+        workers: how many.
         on_result: called for every result, those of an earlier call included.
         deadline_s: per episode; a worker that takes longer is killed, which counts as its death.
-        pool: where to run instead of processes on this machine.
+        workplace: where they live instead of in processes of this machine.
 
     Returns:
         The summary of all results in the directory, those of other shards included.
@@ -125,10 +132,10 @@ def bench(
         UsageError: another runner works on the same episodes.
     """
     episodes = job.selection.load()
-    chosen = pool or ProcessPool(open_session, job.to_json(), workers, deadline_s)
+    pool = WatchedPool(workplace or Processes(), open_session, job.to_json(), workers, deadline_s)
     shard = "" if job.selection.shard is None else f"-{job.selection.shard[0]}-of-{job.selection.shard[1]}"
     with alone(job.directory, shard):
-        run_episodes(episodes, job.directory, chosen, on_result)
+        run_episodes(episodes, job.directory, pool, on_result)
     everything = job.selection.whole() if shard else episodes
     return write_summary(everything, job.directory)
 
@@ -218,11 +225,15 @@ def alone(directory: Path, shard: str = "") -> Iterator[None]:
 
 
 @contextmanager
-def open_session(job_text: str) -> Iterator[Attempt]:
-    """A worker's environment (an :data:`~.pool.Opener`)."""
+def open_session(job_text: str, detector: Detector | None = None, /) -> Iterator[Attempt]:
+    """A worker's environment (an :class:`~.pool.Opener`)."""
     job = Job.from_json(job_text)
+    if not (job.directory / "run.json").exists():
+        raise UsageError(
+            f"{platform.node()!r} does not see the run in {str(job.directory)!r}: give an --out that all machines share."
+        )
     episodes = job.selection.load()
-    with Session(job.configuration, access=job.access) as session:
+    with Session(job.configuration, access=job.access, detector=detector) as session:
 
         def attempt(episode_id: str, before: int) -> None:
             folder = episode_directory(job.directory, episode_id)

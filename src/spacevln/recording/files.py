@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
+import uuid
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
@@ -29,21 +29,20 @@ def write_file(path: Path, content: Record, *, first_stands: bool = False) -> No
     Raises:
         RecordError: the disk refuses.
     """
+    temporary = path.with_name(f".{path.name}.{uuid.uuid4().hex}")  # not tempfile's, which others could not read
     try:
-        with tempfile.NamedTemporaryFile(
-            "w", dir=path.parent, prefix=f".{path.name}.", delete=False, encoding="utf-8"
-        ) as temporary:
-            temporary.write(content.model_dump_json(indent=2) + "\n")
-            temporary.flush()
-            os.fsync(temporary.fileno())
         try:
+            with temporary.open("x", encoding="utf-8") as file:
+                file.write(content.model_dump_json(indent=2) + "\n")
+                file.flush()
+                os.fsync(file.fileno())
             if first_stands:
                 with contextlib.suppress(FileExistsError):
-                    os.link(temporary.name, path)
+                    os.link(temporary, path)
             else:
-                Path(temporary.name).replace(path)
+                temporary.replace(path)
         finally:
-            Path(temporary.name).unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
     except OSError as error:
         raise RecordError(f"Cannot write {str(path)!r} ({error.strerror}): free space or give a writable --out.") from error
 

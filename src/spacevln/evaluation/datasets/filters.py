@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import hashlib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -15,7 +16,7 @@ from spacevln.evaluation.datasets.scenes import short_names
 from spacevln.evaluation.datasets.sequence import EpisodeSequence
 
 NAMED = 20
-"""Longest list of names that a message shows whole."""
+"""Longest list of names that is shown whole."""
 
 
 def _several(value: object) -> object:
@@ -80,7 +81,7 @@ class Filters(BaseModel):
 
     @property
     def words(self) -> str:
-        """The filters that are set, in one line."""
+        """The filters that are set, in one line; long lists by their number and digest."""
         set_ones = self.model_dump(mode="json", exclude_defaults=True)
         return " ".join(f"{name}={_plain(value)}" for name, value in set_ones.items())
 
@@ -143,4 +144,7 @@ def _refuse_unknown(kind: str, wanted: Iterable[str], known: Iterable[str]) -> N
 
 
 def _plain(value: object) -> str:
-    return ",".join(map(str, value)) if isinstance(value, list) else str(value)
+    if not isinstance(value, list):
+        return str(value)
+    listed = ",".join(map(str, value))
+    return listed if len(value) <= NAMED else f"{len(value)} of sha256 {hashlib.sha256(listed.encode()).hexdigest()[:12]}"

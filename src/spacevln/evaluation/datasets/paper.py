@@ -16,6 +16,7 @@ class PaperSubset:
         split: of the dataset.
         episodes: how many there should be.
         language, role: RxR-CE: which of the instructions.
+        listed: it is a list of ids that is not published: the filter ``ids`` gives it.
         caveat: what is not known about the subset; ``""`` for nothing.
     """
 
@@ -23,6 +24,7 @@ class PaperSubset:
     episodes: int
     language: tuple[str, ...] | None = None
     role: tuple[str, ...] | None = None
+    listed: bool = False
     caveat: str = ""
 
 
@@ -37,7 +39,10 @@ PAPER_SUBSETS = {
     ),
     "hm3d-ovon": PaperSubset("val_unseen", 3000),
     "gn-bench": PaperSubset(
-        "test_unseen", 1000, caveat="the list of the 1,000 complex instructions is not published: pass the authors' list as ids"
+        "test_unseen",
+        1000,
+        listed=True,
+        caveat="the 1,000 complex instructions are not published: pass the authors' list as ids",
     ),
 }
 

@@ -129,7 +129,10 @@ class Selection(BaseModel):
         if self.suite != "rxr-ce":
             self._refuse("language", "role")
         if self._split == "paper":
-            return checked(self.suite, self._read(paper_subset(self.suite).split))
+            subset = paper_subset(self.suite)
+            everything = self._read(subset.split)
+            listed = Filters(ids=self.filters.ids) if subset.listed else Filters()
+            return checked(self.suite, listed.apply(everything))
         return self._read(self._split)
 
     def _read(self, split: str) -> EpisodeSequence:

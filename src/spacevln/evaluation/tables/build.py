@@ -7,16 +7,19 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from spacevln.assembly import ComponentSettings, ablation_of
+from spacevln.assembly import ABLATIONS
 from spacevln.core import UnknownNameError
 from spacevln.evaluation.runs import Run
 from spacevln.evaluation.statistics import interval
+from spacevln.evaluation.tables.ablation import ABLATION_WORDS, ablation_label, idle_note, idle_presets, paper_place
 from spacevln.evaluation.tables.published import PublishedRow, PublishedTable, published, source
 from spacevln.evaluation.tables.shapes import HEADERS, SHAPES, TITLES, Shape
 
 OVERALL = "Overall"
 KNOWING = ("oracle", "reference")
 """Drivers that read the truth; they compete with nobody."""
+OURS = "This repository"
+"""Group of our rows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +29,7 @@ class Cell:
     Args:
         value: None is printed as a dash.
         low, high: its 95 % interval, where there is one.
-        note: printed after it, e.g. ``"10/18"``.
+        note: printed after it, e.g. ``"10/18"``; instead of it where there is none, e.g. ``"n/a"``.
     """
 
     value: float | None
@@ -111,6 +114,10 @@ def build_table(runs: Sequence[Run], shape: str, *, with_published: bool = False
     rows = [_published_row(row, form, shown) for row in shown.rows] if shown else []
     labels = dict.fromkeys(_label(run, shape) for run in runs)
     rows += [_row(label, [run for run in runs if _label(run, shape) == label], form) for label in labels]
+    idle = idle_presets(runs) if shape == "ablation" else {}
+    rows += [_idle_row(preset, form, dict.fromkeys(run.suite for run in runs)) for preset in idle]
+    if shape == "ablation":
+        rows.sort(key=lambda row: (row.group == OURS, row.group == OURS and paper_place(row.method)))
     blocks = dict.fromkeys(block for row in rows for block, _ in row.cells)
     columns = [
         Column(block, metric, *HEADERS[metric], form.digits.get(metric, 1))
@@ -120,7 +127,8 @@ def build_table(runs: Sequence[Run], shape: str, *, with_published: bool = False
     ]
     title = f"{printed.paper}. {printed.caption}" if printed else TITLES[shape]
     notes = [f"Published rows: {source()}."] if shown else []
-    return Table(title, form.flags, tuple(columns), tuple(rows), (*notes, *map(_note, runs)))
+    notes += [*map(_note, runs), *(idle_note(preset, other) for preset, other in idle.items())]
+    return Table(title, form.flags, tuple(columns), tuple(rows), tuple(notes))
 
 
 def _given(row: Row, block: str, metric: str) -> bool:
@@ -147,7 +155,7 @@ def _row(label: str, runs: Sequence[Run], form: Shape) -> Row:
                 cells[block, metric] = _cell(part, metric, counted=form.by_area and metric == "SR")
     first = runs[0]
     flags = {flag: _flag(first, flag) for flag in form.flags}
-    return Row(label, "This repository", flags, cells, own=first.driver == "agent", ranked=first.driver not in KNOWING)
+    return Row(label, OURS, flags, cells, own=first.driver == "agent", ranked=first.driver not in KNOWING)
 
 
 def _blocks(run: Run, form: Shape) -> Iterable[tuple[str, Run]]:
@@ -192,24 +200,15 @@ def _flag(run: Run, flag: str) -> bool | None:
 
 
 def _label(run: Run, shape: str) -> str:
-    if shape != "ablation" or run.label != run.directory.name or run.driver != "agent":
-        return run.label
-    row = ablation_of(ComponentSettings.model_validate(run.file.configuration.get("components", {})))
-    return run.label if row is None else ABLATION_WORDS[row]
+    return (ablation_label(run) if shape == "ablation" else None) or run.label
 
 
-ABLATION_WORDS = {
-    "full": "Full pipeline",
-    "-HSM-LLM": "w/o HSM+L-LM",
-    "-HSM": "w/o HSM",
-    "-LLM": "w/o L-LM",
-    "-P-E-SC": "w/o P-SCoT+E-SCoT+SC",
-    "-P-SC": "w/o P-SCoT+SC",
-    "-P-E": "w/o P-SCoT+E-SCoT",
-    "-P": "w/o P-SCoT",
-    "-E": "w/o E-SCoT",
-}
-"""The paper's names of the presets."""
+def _idle_row(preset: str, form: Shape, blocks: Iterable[str]) -> Row:
+    """A row of Table 4 that the other rows' reasoner knows nothing of."""
+    components = ABLATIONS[preset]
+    flags = {flag: None if flag.endswith("SCoT") else bool(getattr(components, _COMPONENT_OF_FLAG[flag])) for flag in form.flags}
+    cells = {(block, metric): Cell(None, note="n/a") for block in blocks for metric in form.metrics}
+    return Row(ABLATION_WORDS[preset], OURS, flags, cells, own=True, ranked=False)
 
 
 def _note(run: Run) -> str:

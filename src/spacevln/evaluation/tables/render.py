@@ -52,7 +52,7 @@ def block_name(block: str) -> str:
 
 def _number(cell: Cell | None, column: Column, *, intervals: bool) -> str:
     if cell is None or cell.value is None:
-        return DASH
+        return DASH if cell is None or not cell.note else cell.note
     text = f"{cell.value:.{column.digits}f}"
     if cell.note:
         text += f" ({cell.note})"
@@ -156,7 +156,7 @@ def _csv(table: Table, *, intervals: bool) -> str:
         for column in table.columns:
             cell = row.cells.get((column.block, column.metric)) or Cell(None)
             values = [cell.value, cell.low, cell.high] if intervals else [cell.value]
-            cells += ["" if value is None else f"{value:.4f}" for value in values]
+            cells += [cell.note if cell.value is None else "" if value is None else f"{value:.4f}" for value in values]
         marks = [{True: "1", False: "0", None: ""}[row.flags.get(flag)] for flag in table.flags]
         writer.writerow([row.group, row.method, *marks, *cells])
     return out.getvalue()

@@ -1,0 +1,135 @@
+"""The runner on a Ray cluster of several processes: the same results, though a worker is killed and a node dies."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import scripted_bench
+from made_runs import plain_results
+
+from spacevln.assembly import Configuration
+from spacevln.core import PrerequisiteError, UsageError
+from spacevln.evaluation.datasets import Selection
+from spacevln.evaluation.journal import NAME, Journal
+from spacevln.evaluation.ray_cluster import RayCluster
+from spacevln.evaluation.runner import Job, bench
+from spacevln.recording import RecordLevel, SummaryFile
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.timeout(600),
+    pytest.mark.enable_socket,
+    pytest.mark.filterwarnings("ignore"),  # Ray's own
+    pytest.mark.skipif(importlib.util.find_spec("ray") is None, reason="needs `pip install 'spacevln[ray]'`"),
+]
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    """A head without a CPU and two nodes of one CPU each, all processes of this machine."""
+    from ray.cluster_utils import Cluster
+
+    made = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False})
+    for _ in range(2):
+        made.add_node(num_cpus=1)
+    yield made
+    made.shutdown()
+
+
+def wait_for(happened: Callable[[], Any], seconds: float = 120.0) -> Any:
+    deadline = time.monotonic() + seconds
+    while not (found := happened()):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    return found
+
+
+def attempting() -> list[int]:
+    """Worker processes of this test's cluster that are in an attempt."""
+    return [
+        int(folder.name)
+        for folder in Path("/proc").glob("[0-9]*")
+        if b"ray::" in read(folder / "cmdline") and b".attempt" in read(folder / "cmdline") and descends(int(folder.name))
+    ]
+
+
+def descends(pid: int) -> bool:
+    while pid > 1:
+        if pid == os.getpid():
+            return True
+        fields = read(Path(f"/proc/{pid}/stat")).rpartition(b")")[2].split()
+        pid = int(fields[1]) if fields else 0
+    return False
+
+
+def read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:  # the process has ended
+        return b""
+
+
+def results(run: Path) -> int:
+    return len(list(run.glob("episodes/*/result.json")))
+
+
+def test_a_killed_worker_and_a_dead_node_change_nothing(tmp_path: Path, cluster: Any) -> None:
+    calm, rough = tmp_path / "calm", tmp_path / "rough"
+    for folder in (calm, rough):
+        folder.mkdir()
+    summaries: list[SummaryFile] = [scripted_bench.run(calm, 2)]
+
+    def on_the_cluster() -> None:
+        place = RayCluster(cluster.address, Configuration())
+        summaries.append(scripted_bench.run(rough, 2, pace_s=0.05, workplace=place))
+
+    run = threading.Thread(target=on_the_cluster)
+    run.start()
+    wait_for(lambda: results(rough))
+    os.kill(wait_for(attempting)[0], signal.SIGKILL)
+    restarted = wait_for(lambda: [path for path in rough.glob(f"episodes/*/{NAME}") if Journal.read(path.parent).deaths])
+    wait_for(lambda: (restarted[0].parent / "result.json").exists())
+    wait_for(lambda: len(attempting()) == 2)
+    cluster.remove_node(cluster.list_all_nodes()[-1], allow_graceful=False)
+    cluster.add_node(num_cpus=1)
+    run.join()
+    assert plain_results(rough) == plain_results(calm)
+    assert len(plain_results(rough)) == scripted_bench.COUNT
+    assert summaries[0] == summaries[1]
+    journals = [Journal.read(folder) for folder in (rough / "episodes").iterdir()]
+    assert sorted(journal.deaths for journal in journals)[-3:] == [0, 1, 1]  # the killed worker's episode and the dead node's
+
+
+def test_who_dies_twice_or_takes_too_long_fails(tmp_path: Path, cluster: Any) -> None:
+    words = ("Go ahead.", "die", "Go ahead.", "sleep")
+    place = RayCluster(cluster.address, Configuration())
+    summary = scripted_bench.run(tmp_path, 2, count=4, instructions=words, deadline_s=5.0, workplace=place)
+    assert summary.statuses == {"environment_failure": 2, "stopped": 2}
+
+
+def job(directory: Path) -> Job:
+    selection = Selection.model_validate({"suite": "houses-objectnav", "seeds": (3, 5)})
+    return Job(selection, Configuration(driver="frontier", step_budget=15), directory, RecordLevel.LIGHT)
+
+
+def test_workers_share_a_detector(tmp_path: Path, cluster: Any) -> None:
+    for name, place in (("own", None), ("shared", RayCluster(cluster.address, Configuration(), detectors=1))):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "run.json").touch()
+        assert bench(job(tmp_path / name), 2, lambda _: None, workplace=place).episodes == 2
+    assert plain_results(tmp_path / "shared") == plain_results(tmp_path / "own")
+
+
+def test_what_concerns_the_whole_run_ends_it_with_its_sentence(tmp_path: Path, cluster: Any) -> None:
+    with pytest.raises(UsageError, match="all machines share"):  # no run.json: that is what a node without the directory sees
+        bench(job(tmp_path), 2, lambda _: None, workplace=RayCluster(cluster.address, Configuration()))
+    with pytest.raises(PrerequisiteError, match="no Ray cluster"):
+        bench(job(tmp_path), 2, lambda _: None, workplace=RayCluster("127.0.0.1:1", Configuration()))
