@@ -21,7 +21,7 @@ from spacevln.evaluation.datasets import Selection
 from spacevln.evaluation.journal import NAME, Journal
 from spacevln.evaluation.ray_cluster import RayCluster
 from spacevln.evaluation.runner import Job, bench
-from spacevln.recording import RecordLevel, SummaryFile
+from spacevln.recording import RecordLevel
 
 pytestmark = [
     pytest.mark.slow,
@@ -81,29 +81,44 @@ def results(run: Path) -> int:
     return len(list(run.glob("episodes/*/result.json")))
 
 
+class Hits(threading.Thread):
+    """Kills a worker in an attempt, and when that episode has its result, a node with a worker in another attempt."""
+
+    def __init__(self, run_directory: Path, cluster: Any) -> None:
+        super().__init__(daemon=True)
+        self.done: list[str] = []
+        self._directory, self._cluster = run_directory, cluster
+
+    def run(self) -> None:
+        wait_for(lambda: results(self._directory))
+        os.kill(wait_for(attempting)[0], signal.SIGKILL)
+        hit = wait_for(self._lost)[0]
+        self.done.append("worker")
+        wait_for(lambda: (hit / "result.json").exists())
+        wait_for(lambda: len(attempting()) == 2)
+        self._cluster.remove_node(self._cluster.worker_nodes.copy().pop(), allow_graceful=False)
+        self._cluster.add_node(num_cpus=1)
+        self.done.append("node")
+
+    def _lost(self) -> list[Path]:
+        folders = [path.parent for path in self._directory.glob(f"episodes/*/{NAME}")]
+        return [folder for folder in folders if Journal.read(folder).deaths]
+
+
 def test_a_killed_worker_and_a_dead_node_change_nothing(tmp_path: Path, cluster: Any) -> None:
     calm, rough = tmp_path / "calm", tmp_path / "rough"
     for folder in (calm, rough):
         folder.mkdir()
-    summaries: list[SummaryFile] = [scripted_bench.run(calm, 2)]
-
-    def on_the_cluster() -> None:
-        place = RayCluster(cluster.address, Configuration())
-        summaries.append(scripted_bench.run(rough, 2, pace_s=0.05, workplace=place))
-
-    run = threading.Thread(target=on_the_cluster)
-    run.start()
-    wait_for(lambda: results(rough))
-    os.kill(wait_for(attempting)[0], signal.SIGKILL)
-    restarted = wait_for(lambda: [path for path in rough.glob(f"episodes/*/{NAME}") if Journal.read(path.parent).deaths])
-    wait_for(lambda: (restarted[0].parent / "result.json").exists())
-    wait_for(lambda: len(attempting()) == 2)
-    cluster.remove_node(cluster.list_all_nodes()[-1], allow_graceful=False)
-    cluster.add_node(num_cpus=1)
-    run.join()
+    undisturbed = scripted_bench.run(calm, 2)
+    hits = Hits(rough, cluster)
+    hits.start()
+    place = RayCluster(cluster.address, Configuration())
+    disturbed = scripted_bench.run(rough, 2, pace_s=0.05, workplace=place)
+    hits.join()
+    assert hits.done == ["worker", "node"]
+    assert disturbed == undisturbed
     assert plain_results(rough) == plain_results(calm)
     assert len(plain_results(rough)) == scripted_bench.COUNT
-    assert summaries[0] == summaries[1]
     journals = [Journal.read(folder) for folder in (rough / "episodes").iterdir()]
     assert sorted(journal.deaths for journal in journals)[-3:] == [0, 1, 1]  # the killed worker's episode and the dead node's
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -79,17 +80,23 @@ def _workplace(configuration: Configuration, options: dict[str, Any]) -> Workpla
     return RayCluster(address, configuration, detectors or 0)
 
 
+LINE_EVERY_S = 30.0
+"""Where there is no terminal, progress is a line so often."""
+
+
 class Progress:
-    """A bar with the success so far, the cost, and the time left; plain lines where there is no terminal."""
+    """How far a run is, its success and cost so far, and the time left: a bar, or plain lines where there is no terminal."""
 
     def __init__(self, total: int) -> None:
         from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
         from rich.progress import Progress as Bar
 
         self.results: list[ResultFile] = []
-        self._bar = Bar(
-            TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), transient=True
-        )
+        self._total = total
+        self._old = 0
+        self._begun_s = self._told_s = time.monotonic()
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        self._bar = Bar(*columns, transient=True)
         self._task = self._bar.add_task("starting", total=total)
 
     def __enter__(self) -> None:
@@ -106,3 +113,15 @@ class Progress:
         usd = sum(part.usd for each in self.results for part in each.usage.values())
         words += [f"{usd:.2f} USD"] if usd else []
         self._bar.update(self._task, advance=1, description=", ".join(words))
+        if not self._bar.console.is_terminal:
+            self._tell(", ".join(words))
+
+    def _tell(self, words: str) -> None:
+        now = time.monotonic()
+        done = len(self.results)
+        if now - self._begun_s < 1.0:  # results of an earlier call are counted at once
+            self._old = done
+        elif now - self._told_s >= LINE_EVERY_S:
+            self._told_s = now
+            left_s = (now - self._begun_s) * (self._total - done) / (done - self._old)
+            click.echo(f"progress {done} of {self._total}, {words}, {left_s / 60:.0f} min left")

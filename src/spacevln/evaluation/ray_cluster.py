@@ -71,6 +71,7 @@ class RayCluster:
     detectors: int = 0
     _shared: list[Any] = field(default_factory=list, init=False)
     _started: int = field(default=0, init=False)
+    _connected: bool = field(default=False, init=False)
 
     def start(self, opener: Opener, job: str) -> RayWorker:
         """See :class:`~.pool.Workplace`.
@@ -80,7 +81,7 @@ class RayCluster:
         """
         import ray
 
-        if not ray.is_initialized():
+        if not self._connected:
             self._connect()
         shared = self._shared[self._started % self.detectors] if self.detectors else None
         self._started += 1
@@ -98,7 +99,7 @@ class RayCluster:
         """See :class:`~.pool.Workplace`."""
         import ray
 
-        if not ray.is_initialized():
+        if not self._connected:
             return
         closing = [worker.actor.close.remote() for worker in workers]
         if closing:
@@ -106,6 +107,7 @@ class RayCluster:
         for actor in (*(worker.actor for worker in workers), *self._shared):
             ray.kill(actor)
         self._shared.clear()
+        self._connected = False
         ray.shutdown()
 
     def _connect(self) -> None:
@@ -118,6 +120,7 @@ class RayCluster:
                 f"There is no Ray cluster at --ray {self.address!r}: give HOST:PORT of its head, 'auto' for the one of this "
                 "machine (`ray start --head`), or 'local' for a new one."
             ) from error
+        self._connected = True
         if self.detectors:
             gpus = min(1.0, ray.cluster_resources().get("GPU", 0.0) / self.detectors)
             options = {"num_cpus": 0, "num_gpus": gpus, "max_restarts": -1, "max_task_retries": -1, "max_concurrency": 1000}
