@@ -96,3 +96,12 @@ def plain_results(run: Path) -> dict[str, str]:
         lines = path.read_text().splitlines()
         kept[path.parent.name] = "\n".join(line for line in lines if '"timing_s"' not in line and '"restarts"' not in line)
     return kept
+
+
+def workers_of(pid: int) -> list[int]:
+    """Worker processes of a runner."""
+    try:
+        found = [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+        return [child for child in found if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()]
+    except (FileNotFoundError, ProcessLookupError):
+        return []

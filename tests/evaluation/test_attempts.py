@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_runs import plain_results, workers_of
 
 from spacevln.agent import NavigationAgent
 from spacevln.assembly import Configuration, ModelPair, PromptOptions
@@ -25,7 +26,7 @@ from spacevln.evaluation.houses import RouteTruth, densify, house_episode, pick_
 from spacevln.evaluation.probes import probe
 from spacevln.models import ModelChoice
 from spacevln.perception import LabelDetector
-from spacevln.recording import RecordLevel, ResultFile, SummaryFile, read_events, read_file
+from spacevln.recording import RecordLevel, read_events
 from spacevln.recording.schema import EpisodeEndedLine, StepTakenLine
 from spacevln.testing.flatland import Flatland
 from spacevln.testing.scripted import ScriptedExecutor, ScriptedPlanner
@@ -179,17 +180,6 @@ def bench(out: Path, *words: str) -> subprocess.Popen[bytes]:
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def results(out: Path) -> dict[str, ResultFile]:
-    found = [read_file(path, ResultFile) for path in out.glob("episodes/*/result.json")]
-    return {result.episode_id: result.model_copy(update={"timing_s": 0.0, "restarts": 0}) for result in found}
-
-
-def children(pid: int) -> list[int]:
-    """The worker processes of a runner."""
-    found = map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text().split())
-    return [child for child in found if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()]
-
-
 @pytest.mark.slow
 def test_workers_their_deaths_and_a_killed_runner_do_not_change_results(tmp_path: Path) -> None:
     calm = bench(tmp_path / "calm", "--workers", "1")
@@ -199,12 +189,11 @@ def test_workers_their_deaths_and_a_killed_runner_do_not_change_results(tmp_path
     while not list((tmp_path / "rough").glob("episodes/*/images/*")):
         assert time.monotonic() < deadline
         time.sleep(0.1)
-    os.kill(children(rough.pid)[0], signal.SIGKILL)
+    os.kill(workers_of(rough.pid)[0], signal.SIGKILL)
     time.sleep(6)
     rough.kill()
     rough.wait(timeout=30)
     assert bench(tmp_path / "rough", "--workers", "2").wait(timeout=280) == 0
-    assert results(tmp_path / "rough") == results(tmp_path / "calm")
-    assert len(results(tmp_path / "rough")) == 3
-    summaries = [read_file(tmp_path / name / "summary.json", SummaryFile) for name in ("rough", "calm")]
-    assert summaries[0] == summaries[1]
+    assert plain_results(tmp_path / "rough") == plain_results(tmp_path / "calm")
+    assert len(plain_results(tmp_path / "rough")) == 3
+    assert (tmp_path / "rough/summary.json").read_bytes() == (tmp_path / "calm/summary.json").read_bytes()

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 import scripted_bench
-from made_runs import plain_results
+from made_runs import plain_results, workers_of
 
 from spacevln.core import RecordError, UsageError
 from spacevln.evaluation.datasets import Selection
@@ -198,15 +198,6 @@ def test_the_number_of_workers_does_not_matter(tmp_path: Path) -> None:
 KILLS, EPISODES, PACE_S = 30, 62, 0.01
 
 
-def children(pid: int) -> list[int]:
-    """Worker processes of a runner."""
-    try:
-        found = [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
-        return [child for child in found if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()]
-    except (FileNotFoundError, ProcessLookupError):
-        return []
-
-
 def in_flight(run: Path) -> list[Path]:
     """Directories of episodes that were begun and have no result yet."""
     return [path.parent for path in run.glob(f"episodes/*/{NAME}") if not (path.parent / "result.json").exists()]
@@ -247,7 +238,7 @@ class Assassin:
             victim = self._victim()
             os.kill(victim, signal.SIGKILL)
             self.workers += 1
-            wait_until(lambda: victim not in children(self.runner.pid), 60.0)  # else the runner may not have noted it yet
+            wait_until(lambda: victim not in workers_of(self.runner.pid), 60.0)  # else the runner may not have noted it yet
         with (self.run / "hits").open("ab") as file:
             file.write(b"x")
         if self.runner.poll() is not None:
@@ -258,7 +249,7 @@ class Assassin:
         deadline = time.monotonic() + 300.0
         while True:
             assert time.monotonic() < deadline
-            workers = children(self.runner.pid)
+            workers = workers_of(self.runner.pid)
             if workers and not any(Journal.read(folder).deaths for folder in in_flight(self.run)):
                 return self.rng.choice(workers)
             time.sleep(0.02)

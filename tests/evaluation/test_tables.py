@@ -12,7 +12,7 @@ import pytest
 from made_runs import THREE, made_result, made_run
 
 from spacevln.assembly import ABLATIONS, Configuration
-from spacevln.core import EpisodeStatus, StopReason, UnknownNameError, UsageError
+from spacevln.core import EpisodeStatus, UnknownNameError, UsageError
 from spacevln.evaluation.diagnosis import CLASSES, PAPER_KINDS, failure_class, failure_kind
 from spacevln.evaluation.runs import read_run
 from spacevln.evaluation.tables import FORMATS, SHAPES, build_table, render, shape_for
