@@ -64,7 +64,7 @@ class Gate:
 
     def wait(self) -> None:
         while self._results() >= self.episodes * (self._taken() + 1) // (self.hits + 1):
-            time.sleep(0.02)
+            time.sleep(0.1)
 
     def _results(self) -> int:
         return sum(1 for _ in self.directory.glob("episodes/*/result.json"))

@@ -203,10 +203,14 @@ def in_flight(run: Path) -> list[Path]:
     return [path.parent for path in run.glob(f"episodes/*/{NAME}") if not (path.parent / "result.json").exists()]
 
 
+def starts(run: Path) -> int:
+    return sum(Journal.read(path.parent).starts for path in run.glob(f"episodes/*/{NAME}"))
+
+
 def wait_until(happened: Callable[[], bool], seconds: float) -> None:
     deadline = time.monotonic() + seconds
     while not happened() and time.monotonic() < deadline:
-        time.sleep(0.02)
+        time.sleep(0.1)
 
 
 def begin(run: Path, hits: int = 0) -> subprocess.Popen[bytes]:
@@ -223,11 +227,12 @@ class Assassin:
     runner: subprocess.Popen[bytes]
     runners: int = 0
     workers: int = 0
+    seen_starts: int = 0
 
     def strike(self) -> None:
         """One kill -9, somewhere between the start of a process and the end of an episode."""
         if self.rng.random() < 0.75:  # most hits fall into episodes, some into the start of a process
-            wait_until(lambda: bool(in_flight(self.run)), 20.0)
+            wait_until(lambda: starts(self.run) > self.seen_starts, 120.0)
         time.sleep(self.rng.uniform(0.0, 0.6))
         assert self.runner.poll() is None
         if self.rng.random() < 0.2:
@@ -239,6 +244,7 @@ class Assassin:
             os.kill(victim, signal.SIGKILL)
             self.workers += 1
             wait_until(lambda: victim not in workers_of(self.runner.pid), 60.0)  # else the runner may not have noted it yet
+        self.seen_starts = starts(self.run)
         with (self.run / "hits").open("ab") as file:
             file.write(b"x")
         if self.runner.poll() is not None:
@@ -252,7 +258,7 @@ class Assassin:
             workers = workers_of(self.runner.pid)
             if workers and not any(Journal.read(folder).deaths for folder in in_flight(self.run)):
                 return self.rng.choice(workers)
-            time.sleep(0.02)
+            time.sleep(0.1)
 
 
 @pytest.mark.slow

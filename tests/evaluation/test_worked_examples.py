@@ -114,7 +114,7 @@ def test_normalised_depth_at_its_ends_says_nothing() -> None:
     assert half == 2.75
     met = seen(half)
     assert met.is_obstacle([[2.76, 0.0]]).item()
-    assert met.is_free([[2.0, 0.0]]).item()
+    assert not met.is_obstacle([[2.0, 0.0]]).item()
     for at_an_end in (0.0, 0.4, 5.2, math.inf):
         map_then = seen(at_an_end)
         ahead = [[x, 0.0] for x in np.arange(0.3, 6.0, 0.05)]
