@@ -40,7 +40,7 @@ def test_compare_lists_what_flipped(tmp_path: Path) -> None:
     assert "2 common episodes; only in a: 1, only in b: 1" in done.output
     assert "won by b: 1\n  e2" in done.output
     assert "lost by b: 1\n  e1" in done.output
-    assert "stopped elsewhere, 8.0 m -> success, 1.0 m" in done.output
+    assert "not diagnosed, 8.0 m -> success, 1.0 m" in done.output
 
 
 @pytest.mark.parametrize("words", [("table", "nowhere"), ("table", "."), ("compare", ".", "nowhere")])

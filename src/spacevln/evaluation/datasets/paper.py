@@ -16,16 +16,16 @@ class PaperSubset:
         split: of the dataset.
         episodes: how many there should be.
         language, role: RxR-CE: which of the instructions.
-        listed: it is a list of ids that is not published: the filter ``ids`` gives it.
         caveat: what is not known about the subset; ``""`` for nothing.
+        listed: it is a list of ids that is not published: the filter ``ids`` gives it.
     """
 
     split: str
     episodes: int
     language: tuple[str, ...] | None = None
     role: tuple[str, ...] | None = None
-    listed: bool = False
     caveat: str = ""
+    listed: bool = False
 
 
 PAPER_SUBSETS = {
