@@ -35,6 +35,7 @@ pytestmark = [
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
     """A head without a CPU and two nodes of one CPU each, all processes of this machine."""
+    os.environ["RAY_AUTH_MODE"] = "disabled"  # else it leaves a token in the home directory
     from ray.cluster_utils import Cluster
 
     made = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False})
@@ -42,6 +43,7 @@ def cluster() -> Iterator[Any]:
         made.add_node(num_cpus=1)
     yield made
     made.shutdown()
+    del os.environ["RAY_AUTH_MODE"]
 
 
 def wait_for(happened: Callable[[], Any], seconds: float = 120.0) -> Any:

@@ -7,6 +7,7 @@ an attempt writes lies where the run directory lies, so all nodes see it, under 
 from __future__ import annotations
 
 import importlib
+import logging
 import os
 import platform
 from collections.abc import Sequence
@@ -114,7 +115,12 @@ class RayCluster:
         import ray
 
         try:
-            ray.init(self.address, log_to_driver=False, include_dashboard=False if self.address == "local" else None)
+            ray.init(
+                self.address,
+                log_to_driver=False,
+                logging_level=logging.WARNING,
+                include_dashboard=False if self.address == "local" else None,
+            )
         except (ConnectionError, ValueError) as error:
             raise PrerequisiteError(
                 f"There is no Ray cluster at --ray {self.address!r}: give HOST:PORT of its head, 'auto' for the one of this "
