@@ -76,7 +76,8 @@ class Batcher:
     def _next_batch(self) -> list[_Request]:
         """The first that waits, and those with its queries while they fit."""
         first = self._waiting[0]
-        batch, left, count = [first], [], len(first.observations)
+        batch, count = [first], len(first.observations)
+        left: list[_Request] = []
         for request in self._waiting[1:]:
             fits = request.queries == first.queries and count + len(request.observations) <= MAX_BATCH_IMAGES
             (batch if fits else left).append(request)
