@@ -111,7 +111,7 @@ def test_a_bug_is_recorded_and_counted_not_raised(tmp_path: Path) -> None:
 
 
 def test_a_spent_purse_ends_the_run_and_leaves_the_episode_to_be_resumed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def poor(_: Configuration, environment: Environment, sinks: Sequence[EventSink], __: object) -> NavigationAgent:
+    def poor(_: Configuration, environment: Environment, sinks: Sequence[EventSink], *__: object) -> NavigationAgent:
         planner = ScriptedPlanner([SpendingLimit("The run has spent 5 USD.")])
         return NavigationAgent(environment, LabelDetector(), planner, ScriptedExecutor(), None, sinks)
 
