@@ -62,6 +62,13 @@ class Gate:
         """Before which forward an episode waits."""
         return zlib.crc32(episode_id.encode()) % BLIND_FORWARDS if self.hits and not before else None
 
+    def tell(self, state: str) -> None:
+        """Say which episode this worker is at, ``""`` for none: who hits looks first."""
+        if self.hits:
+            folder = self.directory / "workers"
+            folder.mkdir(exist_ok=True)
+            (folder / str(os.getpid())).write_text(state)
+
     def wait(self) -> None:
         while self._results() >= self.episodes * (self._taken() + 1) // (self.hits + 1):
             time.sleep(0.1)
@@ -153,14 +160,17 @@ def open_void(job: str, detector: Detector | None = None, /) -> Iterator[Attempt
     episodes = scripted_episodes(settings["count"], tuple(settings["instructions"]))
     gate = Gate(Path(settings["directory"]), settings["count"], settings["hits"])
     void = Void(settings["pace_s"], gate)
+    gate.tell("")
     with Session(Configuration(driver="forward"), void) as session:
 
         def attempt(episode_id: str, before: int) -> None:
             folder = episode_directory(Path(settings["directory"]), episode_id)
+            gate.tell(episode_id)
             with held(folder):
                 if read_result(folder) is None:
                     void.waits_at = gate.step_of(episode_id, before)
                     session.attempt(episodes.by_id(episode_id), folder, level=RecordLevel.LIGHT, restarts=before)
+            gate.tell("")
 
         yield attempt
 

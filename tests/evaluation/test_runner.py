@@ -21,7 +21,7 @@ from spacevln.evaluation.datasets import Selection
 from spacevln.evaluation.journal import NAME, Journal, held, note
 from spacevln.evaluation.pool import Outcome, Queue
 from spacevln.evaluation.runner import alone, claim_directory, run_episodes, write_summary
-from spacevln.recording import ResultFile, RunFile, read_file
+from spacevln.recording import ResultFile, RunFile, episode_directory, read_file
 
 SCRIPT = Path(scripted_bench.__file__)
 
@@ -198,11 +198,6 @@ def test_the_number_of_workers_does_not_matter(tmp_path: Path) -> None:
 KILLS, EPISODES, PACE_S = 30, 62, 0.01
 
 
-def in_flight(run: Path) -> list[Path]:
-    """Directories of episodes that were begun and have no result yet."""
-    return [path.parent for path in run.glob(f"episodes/*/{NAME}") if not (path.parent / "result.json").exists()]
-
-
 def starts(run: Path) -> int:
     return sum(Journal.read(path.parent).starts for path in run.glob(f"episodes/*/{NAME}"))
 
@@ -251,18 +246,27 @@ class Assassin:
             self.runner = begin(self.run, KILLS)
 
     def _victim(self) -> int:
-        """A worker, once no episode in flight has lost one."""
-        deadline = time.monotonic() + 300.0
+        """A worker, stopped, whose death would be the first of its episode."""
+        deadline = time.monotonic() + 120.0
         while True:
             assert time.monotonic() < deadline
-            workers = workers_of(self.runner.pid)
-            if workers and not any(Journal.read(folder).deaths for folder in in_flight(self.run)):
-                return self.rng.choice(workers)
-            time.sleep(0.1)
+            for worker in self.rng.sample(workers := workers_of(self.runner.pid), len(workers)):
+                os.kill(worker, signal.SIGSTOP)  # what it is at stays so
+                if self._may_be_hit(worker):
+                    return worker
+                os.kill(worker, signal.SIGCONT)
+            time.sleep(0.05)
+
+    def _may_be_hit(self, worker: int) -> bool:
+        told = self.run / "workers" / str(worker)
+        if not told.exists():
+            return True  # it is starting, so it has no episode yet
+        name = told.read_text()
+        return bool(name) and not Journal.read(episode_directory(self.run, name)).deaths  # without a name, one may be on its way
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(1800)
+@pytest.mark.timeout(600)
 def test_kill_9_at_thirty_moments_loses_and_repeats_nothing(tmp_path: Path) -> None:
     """The world waits for the hits, so that each falls into the run and none behind its end, however fast the machine is."""
     rough, calm = tmp_path / "rough", tmp_path / "calm"
