@@ -134,6 +134,11 @@ def test_settings_that_do_not_fit_the_body_are_told_before_anything_begins() -> 
         Session(wrong, Flatland())
 
 
+def test_only_what_can_film_the_robot_is_asked_to(tmp_path: Path) -> None:
+    with Session(SHORT, Flatland()) as session, pytest.raises(UsageError, match="only the embedded houses can film the robot"):
+        session.attempt(house_episode("houses-vln-000003"), tmp_path / "a", chase=True)
+
+
 def test_probes_change_the_words_and_not_the_goal() -> None:
     episode = house_episode("houses-vln-000003")
     swapped, last = probe(episode, "swapped"), probe(episode, "last-noun")

@@ -91,8 +91,10 @@ def write_run(directory: Path, episodes: int = 3, text: str = "Go on and stop.")
     return directory
 
 
-def write_episode(folder: Path, text: str, *, good: bool, number: int = 0, direction: str = "front") -> ResultFile:
-    """Two stages of three steps each."""
+def write_episode(
+    folder: Path, text: str, *, good: bool, number: int = 0, direction: str = "front", filmed: bool = False
+) -> ResultFile:
+    """Two stages of three steps each; ``filmed`` adds the pictures of an external camera."""
     (folder / "images").mkdir(parents=True)
     cells = np.zeros((60, 60, 3), np.uint8)
     cells[10:50, 10:50] = (0, 1, 1)
@@ -103,7 +105,7 @@ def write_episode(folder: Path, text: str, *, good: bool, number: int = 0, direc
             time_s=0.0, episode_id=folder.name, scene="s", start=Pose(5.0, 5.0), task_kind="vln", task_text=text,
             camera=Camera(64, 48, 79.0, 0.88), T_body_camera=LEVEL,
         ),
-        *(line for stage in range(2) for line in _stage(folder, stage, text, direction)),
+        *(line for stage in range(2) for line in _stage(folder, stage, text, direction, filmed=filmed)),
         MapSavedLine(
             time_s=1.0,
             floors=(
@@ -144,7 +146,7 @@ def write_episode(folder: Path, text: str, *, good: bool, number: int = 0, direc
     return result
 
 
-def _stage(folder: Path, stage: int, text: str, direction: str) -> list[object]:
+def _stage(folder: Path, stage: int, text: str, direction: str, *, filmed: bool) -> list[object]:
     anchors = (Anchor(text, SpaceKind.ROOM), Anchor("hallway", SpaceKind.CONNECTOR))
     subtask = Subtask(anchors, 0, anchors[0], anchors[1], direction, text, text, complete=False, verdict=Verdict.FIRST)
     candidate = LandmarkCandidate(0, text, (1.0, 0.0, 0.5), 1.0, 0.1, 0.9, visible=True, arrived=False, kind=CueKind.SOLID)
@@ -174,11 +176,14 @@ def _stage(folder: Path, stage: int, text: str, direction: str) -> list[object]:
     for k in range(3):
         name = f"images/{3 * stage + k:04d}_rgb.jpg"
         cv2.imwrite(str(folder / name), np.full((48, 64, 3), 40 * k + 60, np.uint8))
+        external = name.replace("rgb", "external") if filmed else None
+        if external:
+            cv2.imwrite(str(folder / external), np.full((48, 64, 3), (200, 40 * k, 90), np.uint8))
         lines.append(
             StepTakenLine(
                 time_s=0.1, step=3 * stage + k + 1, stage=stage, phase="execute", action="forward 0.25",
                 motion=Motion(0.17, 0.0, False),
-                pose=Pose((3 * stage + k + 1) / 6, 0.0), rgb=name, depth=None, sightings=(sighting,),
+                pose=Pose((3 * stage + k + 1) / 6, 0.0), rgb=name, depth=None, external=external, sightings=(sighting,),
             )
         )  # fmt: skip
     lines.append(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from collections.abc import Iterator
@@ -12,6 +13,7 @@ import pytest
 from small_records import PAYLOAD, write_episode, write_run
 
 from spacevln.viewer import write_comparison, write_site
+from spacevln.viewer.pages import site
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed: no page is opened")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -33,6 +35,7 @@ def browser() -> Iterator[Any]:
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     directory = write_run(tmp_path_factory.mktemp("run"), 4, "Go on." + PAYLOAD)
     write_site(directory)
+    write_comparison(directory / "episodes/e-000", directory / "episodes/e-001", directory / "compare")
     return directory
 
 
@@ -64,7 +67,7 @@ class Tab:
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1280, 390])
-@pytest.mark.parametrize("name", ["index.html", "episodes/e-001/index.html"])
+@pytest.mark.parametrize("name", ["index.html", "episodes/e-001/index.html", "compare/index.html"])
 def test_pages_open_without_a_complaint_and_fit(browser: Any, run: Path, name: str, width: int, scheme: str) -> None:
     with Tab(browser, run / name, width=width, scheme=scheme) as page:
         page.wait_for_timeout(50)
@@ -74,11 +77,12 @@ def test_pages_open_without_a_complaint_and_fit(browser: Any, run: Path, name: s
         assert PAYLOAD[:30] in page.locator("body").inner_text()
 
 
+@pytest.mark.parametrize("width", [1280, 390])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("name", ["index.html", "episodes/e-001/index.html"])
-def test_pages_pass_an_accessibility_check(browser: Any, run: Path, name: str, scheme: str) -> None:
+@pytest.mark.parametrize("name", ["index.html", "episodes/e-001/index.html", "compare/index.html"])
+def test_pages_pass_an_accessibility_check(browser: Any, run: Path, name: str, scheme: str, width: int) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
-    context = browser.new_context(viewport={"width": 1280, "height": 900}, color_scheme=scheme, bypass_csp=True)
+    context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, bypass_csp=True)
     page = context.new_page()
     page.goto((run / name).as_uri())
     found = axe.run(page).response["violations"]
@@ -126,6 +130,73 @@ def test_the_list_sorts_and_filters(browser: Any, run: Path) -> None:
         assert page.locator("#list tbody tr:visible").count() == 1
 
 
+def test_a_long_list_is_laid_out_in_parts(browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(site, "FIRST_SHOWN", 2)
+    with Tab(browser, write_site(write_run(tmp_path / "run", 5))) as page:
+        rows = page.locator("#list tbody tr:visible")
+        assert (rows.count(), page.locator("#shown").inner_text()) == (2, "5 found, the first 2 shown")
+        for _ in range(2):
+            page.get_by_role("button", name="NE m").click()
+        assert rows.locator("td:nth-child(2) a").all_inner_texts() == ["e-004", "e-003"]
+        page.get_by_role("button", name="Show all 5").click()
+        assert (rows.count(), page.locator("#shown").inner_text()) == (5, "5 shown")
+        page.locator("#find").fill("e-001")
+        assert rows.count() == 1
+
+
+def test_the_robot_from_outside_is_shown_where_it_was_filmed(browser: Any, tmp_path: Path) -> None:
+    for name, filmed in (("with", True), ("without", False)):
+        run = write_run(tmp_path / name, 1)
+        shutil.rmtree(run / "episodes/e-000")
+        write_episode(run / "episodes/e-000", "Go.", good=True, filmed=filmed)
+        write_site(run)
+    with Tab(browser, tmp_path / "with/episodes/e-000/index.html", "#step=4") as page:
+        assert page.locator("#external").get_attribute("src") == "images/0003_external.jpg"
+        assert page.get_by_alt_text("The robot seen from behind at step 4").is_visible()
+        page.get_by_label("external camera").uncheck()
+        assert not page.locator("#external").is_visible()
+    with Tab(browser, tmp_path / "without/episodes/e-000/index.html") as page:
+        assert page.locator("#external").count() == 0
+
+
+def test_broken_off_and_older_records_open_without_a_complaint(browser: Any, tmp_path: Path) -> None:
+    run = write_run(tmp_path / "run", 2, "Go on." + PAYLOAD)
+    killed, older = run / "episodes/e-000", run / "episodes/e-001"
+    (killed / "result.json").unlink()
+    events = (killed / "events.jsonl").read_text()
+    (killed / "events.jsonl").write_text(events[: len(events) // 2])
+    lines = [json.loads(line) for line in (older / "events.jsonl").read_text().splitlines()]
+    for line in lines:  # as version 1.0 wrote them
+        for name in ("camera", "T_body_camera", "origin", "external"):
+            line.pop(name, None)
+        if line["event"] == "decision_made":
+            line.pop("sightings")
+    (older / "events.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    result = json.loads((older / "result.json").read_text())
+    (older / "result.json").write_text(json.dumps({**result, "format": "spacevln-record/1.0", "diagnosis": None}))
+    (run / "summary.json").unlink()
+    write_site(run)
+    for name in ("index.html", "episodes/e-000/index.html", "episodes/e-001/index.html"):
+        with Tab(browser, run / name) as page:
+            page.wait_for_timeout(50)
+            assert page.locator("h1").is_visible()
+            if name != "index.html":
+                page.keyboard.press("End")
+                assert page.locator("#where").inner_text().startswith("step ")
+
+
+def test_everything_is_reached_with_the_keyboard(browser: Any, run: Path) -> None:
+    with Tab(browser, run / "index.html") as page:
+        reached = set()
+        for _ in range(60):
+            page.keyboard.press("Tab")
+            reached.add(page.evaluate("document.activeElement.id || document.activeElement.textContent.trim().slice(0, 20)"))
+        assert {"find", "outcome", "diagnosis", "NE m", "e-000", "e-003", "budget"} <= reached
+        page.get_by_role("link", name="e-001").focus()
+        page.keyboard.press("Enter")
+        page.wait_for_url("**/episodes/e-001/index.html")
+
+
 def test_two_records_side_by_side(browser: Any, tmp_path: Path) -> None:
     write_episode(tmp_path / "a/episodes/e", "Go.", good=True)
     write_episode(tmp_path / "b/episodes/e", "Go.", good=False, direction="left 30")
@@ -133,6 +204,8 @@ def test_two_records_side_by_side(browser: Any, tmp_path: Path) -> None:
     for width in (1280, 390):
         with Tab(browser, page_path, width=width) as page:
             assert "planner: direction: “front” against “left 30”" in page.locator(".note").inner_text()
+            assert page.locator("#side-b .instruction.differs").count() == 1
+            assert page.locator(".act-of.differs").count() == 0
             page.keyboard.press("ArrowRight")
             assert page.locator("#side-b .now").inner_text() == "step 2 of 6, stage 1"
             assert page.evaluate("document.documentElement.scrollWidth") <= width

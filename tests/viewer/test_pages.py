@@ -123,6 +123,7 @@ def test_the_first_differing_decision_is_named(tmp_path: Path) -> None:
     write_episode(tmp_path / "b/episodes/e", "Go.", good=True, direction="left 30")
     page = write_comparison(tmp_path / "a/episodes/e", tmp_path / "b/episodes/e", tmp_path / "both")
     assert data_of(page)["differing"] == {
+        "decision": None,
         "stage": 0,
         "what": "planner: direction",
         "values": ["front", "left 30"],

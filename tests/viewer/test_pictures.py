@@ -12,6 +12,7 @@ from small_records import write_episode
 from spacevln.core import PrerequisiteError, UsageError
 from spacevln.viewer import draw_figure, write_spatial_log, write_video
 from spacevln.viewer.scenes import Scenes
+from spacevln.viewer.video import PANE, frame
 
 
 def test_a_figure_is_a_png_and_a_pdf(tmp_path: Path) -> None:
@@ -20,6 +21,20 @@ def test_a_figure_is_a_png_and_a_pdf(tmp_path: Path) -> None:
     with Image.open(png) as picture:
         assert picture.width == 1800
     assert pdf.read_bytes().startswith(b"%PDF")
+
+
+def test_a_figure_shows_the_external_camera_where_the_record_has_it(tmp_path: Path) -> None:
+    heights = []
+    for name, filmed in (("a", False), ("b", True)):
+        write_episode(tmp_path / name, "Go.", good=True, filmed=filmed)
+        with Image.open(draw_figure(tmp_path / name, tmp_path / f"figure_{name}")[0]) as picture:
+            heights.append(picture.height)
+    assert heights[1] > heights[0] + 200
+
+
+def test_a_video_shows_the_external_camera_in_a_corner(tmp_path: Path) -> None:
+    write_episode(tmp_path / "e", "Go.", good=True, filmed=True)
+    assert frame(Scenes(tmp_path / "e"), 0).getpixel((PANE[0] - 60, 60)) == pytest.approx((90, 0, 200), abs=6)
 
 
 def test_a_figure_refuses_what_is_not_there(tmp_path: Path) -> None:

@@ -60,7 +60,8 @@ def attempt_all(
 
     workplace = _workplace(configuration, options)
     claim_directory(directory, describe_run(selection.name, configuration, episodes.source))
-    job = Job(selection, configuration, directory, RecordLevel(options["level"]), access_from(options, directory))
+    level, access = RecordLevel(options["level"]), access_from(options, directory)
+    job = Job(selection, configuration, directory, level, access, options["chase"])
     progress = Progress(len(episodes))
     with progress:
         summary = bench(job, options["workers"], progress.add, deadline_s=options["deadline"], workplace=workplace)

@@ -73,6 +73,8 @@ def placed(configuration: Configuration, selection: Selection, options: dict[str
             "Suite 'gn-bench' needs the authors' Gaussian-splatting simulator, which this version does not speak to: "
             "its episodes can be loaded, not run."
         )
+    if options["chase"]:
+        raise click.UsageError("--chase films the robot of the embedded houses: leave it out.")
     said = click.get_current_context().get_parameter_source("sliding")
     given = said is not None and said.name != "DEFAULT"
     return in_habitat(configuration, selection.suite, options, sliding=options["sliding"] if given else None)

@@ -27,6 +27,7 @@ agent_options = option_group(
     click.option("--sliding/--no-sliding", default=True, show_default=True, help="Slide along obstacles, as VLN-CE does."),
     detector_options,
     click.option("--steps", type=click.IntRange(min=1), default=None, help="Step budget, STOP included."),
+    click.option("--chase", is_flag=True, help="Record a camera that follows the robot, too (embedded houses)."),
     click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=None, help="Run directory."),
 )
 """Who reasons, with which components, in which world, and where the record goes."""

@@ -77,7 +77,7 @@ def run(
         if result is None:
             progress.begin(episode.spec)
             with Session(configuration, access=access_from(options, directory)) as session:
-                result = session.attempt(episode, folder, sinks=(progress,))
+                result = session.attempt(episode, folder, chase=options["chase"], sinks=(progress,))
     write_file(directory / "summary.json", summarise([result]))
     click.echo(outcome_line(result))
     if result.usage:

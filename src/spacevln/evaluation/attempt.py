@@ -9,6 +9,10 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
 
 from spacevln.agent import EpisodeResult
 from spacevln.assembly import Configuration, RegisteredEnvironment, build_agent, build_detector, build_environment, check_settings
@@ -37,6 +41,14 @@ from spacevln.viewer import draw_topdown
 
 MEMORY_FILE = "memory.npz"
 """The final memory in an episode's record."""
+
+
+@runtime_checkable
+class Filmed(Protocol):
+    """An environment that can show its robot from outside."""
+
+    def external_view(self) -> NDArray[np.uint8]:
+        """The picture now, (H, W, 3)."""
 
 
 class Session(AbstractContextManager["Session"]):
@@ -75,6 +87,7 @@ class Session(AbstractContextManager["Session"]):
         directory: Path,
         *,
         level: RecordLevel = RecordLevel.FULL,
+        chase: bool = False,
         restarts: int = 0,
         sinks: Sequence[EventSink] = (),
     ) -> ResultFile:
@@ -84,6 +97,7 @@ class Session(AbstractContextManager["Session"]):
             episode: what to run; only its ``spec`` reaches the agent.
             directory: of its record.
             level: of detail.
+            chase: keep the pictures of a camera that follows the robot, too.
             restarts: how often it was begun before.
             sinks: further listeners.
 
@@ -94,7 +108,7 @@ class Session(AbstractContextManager["Session"]):
             PrerequisiteError: a scene or the simulator is missing; the run stops.
             RecordError: the record cannot be written; the run stops and can be resumed.
             SpendingLimit: the run has spent what it may; the body was stopped, the episode has no result.
-            UsageError: the memory to begin with is of another building, or cannot be read.
+            UsageError: the memory to begin with is of another building, or cannot be read; or nothing here films the robot.
         """
         known, cpu_begin_s = self._known(episode), time.process_time()
         try:
@@ -103,7 +117,7 @@ class Session(AbstractContextManager["Session"]):
             result = environment_failure(episode, f"before the start: {error}", restarts=restarts)
             write_file(directory / "result.json", result, first_stands=True)
             return result
-        recorder = EpisodeRecorder(directory, level)
+        recorder = EpisodeRecorder(directory, level, self._external_view() if chase else None)
         try:
             left = self._drive(episode, known, (recorder, *sinks))
             if left is not None and left.stop_reason is StopReason.SPENDING:
@@ -126,6 +140,12 @@ class Session(AbstractContextManager["Session"]):
         if level is RecordLevel.FULL and self._configuration.driver == "agent" and not (directory / "crash.txt").exists():
             draw_topdown(directory)
         return result
+
+    def _external_view(self) -> Callable[[], NDArray[np.uint8]]:
+        """The camera that follows the robot."""
+        if not isinstance(self._environment, Filmed):
+            raise UsageError("--chase is asked for, and only the embedded houses can film the robot: leave --chase out.")
+        return self._environment.external_view
 
     def _measured(self, episode: Episode) -> Episode:
         """The episode with the truth that the environment's simulator measures, where its file could only annotate."""

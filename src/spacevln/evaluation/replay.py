@@ -165,7 +165,7 @@ def _lasting(data: dict[str, Any]) -> dict[str, Any]:
     if data["event"] == "episode_started":
         kept |= {"camera": None, "T_body_camera": None}  # records before 1.2 have none
     if data["event"] == "step_taken":
-        kept |= {"rgb": None, "depth": None}
+        kept |= {"rgb": None, "depth": None, "external": None}
     if data["event"] == "model_called":
         kept["messages"] = None  # the digest tells
         kept["schema_file"] = None

@@ -49,6 +49,7 @@ class Job:
     directory: Path
     level: RecordLevel
     access: RunAccess = UNLIMITED
+    chase: bool = False
 
     def to_json(self) -> str:
         """Encode."""
@@ -59,6 +60,7 @@ class Job:
                 "directory": str(self.directory),
                 "level": self.level.value,
                 "access": self.access.to_json(),
+                "chase": self.chase,
             }
         )
 
@@ -72,6 +74,7 @@ class Job:
             directory=Path(data["directory"]),
             level=RecordLevel(data["level"]),
             access=RunAccess.from_json(data["access"]),
+            chase=data["chase"],
         )
 
 
@@ -240,7 +243,7 @@ def open_session(job_text: str, detector: Detector | None = None, /) -> Iterator
             with held(folder):
                 if read_result(folder) is not None:
                     return
-                result = session.attempt(episodes.by_id(episode_id), folder, level=job.level, restarts=before)
+                result = session.attempt(episodes.by_id(episode_id), folder, level=job.level, chase=job.chase, restarts=before)
             if result.status is EpisodeStatus.INTERRUPTED:
                 raise KeyboardInterrupt
 

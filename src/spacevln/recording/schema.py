@@ -32,8 +32,8 @@ from spacevln.recording.calls import CallRetriedLine, ModelCalledLine
 from spacevln.recording.record import Record
 from spacevln.recording.usage import CallUsage
 
-Format = Literal["spacevln-record/1.0", "spacevln-record/1.1", "spacevln-record/1.2"]
-FORMAT: Format = "spacevln-record/1.2"
+Format = Literal["spacevln-record/1.0", "spacevln-record/1.1", "spacevln-record/1.2", "spacevln-record/1.3"]
+FORMAT: Format = "spacevln-record/1.3"
 """Name and version of the format. The second number counts additions: this version reads every record of the same first number
 up to its own; the first changes when something that was there changes its meaning."""
 
@@ -63,7 +63,7 @@ class EpisodeStartedLine(Record):
 
 
 class StepTakenLine(Record):
-    """One environment step."""
+    """One environment step. ``external`` names the picture of a camera that shows the robot from outside, where one was kept."""
 
     event: Literal["step_taken"] = "step_taken"
     time_s: float
@@ -75,6 +75,7 @@ class StepTakenLine(Record):
     pose: Pose
     rgb: str | None
     depth: str | None
+    external: str | None = None
     sightings: tuple[Sighting, ...]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -50,6 +51,8 @@ class RecordLevel(StrEnum):
 
 
 LIGHT_WIDTH_PX = 320
+EXTERNAL_WIDTH_PX, EXTERNAL_QUALITY = 400, 80
+"""Of the pictures that show the robot from outside: shown small, at every level."""
 JPEG_QUALITY = {RecordLevel.FULL: 90, RecordLevel.LIGHT: 70}
 _ORIGIN = Pose(0.0, 0.0)
 PNG_COMPRESSION = 1  # depth and maps are written while the agent waits; size matters less than time
@@ -66,14 +69,21 @@ class EpisodeRecorder:
     Args:
         directory: of the episode; created, and an unfinished earlier attempt's events are replaced.
         level: how much to keep.
+        external_view: gives the picture (H, W, 3) of a camera that shows the robot from outside, kept after every step.
 
     Raises:
         RecordError: the directory cannot be written.
     """
 
-    def __init__(self, directory: Path, level: RecordLevel = RecordLevel.FULL) -> None:
+    def __init__(
+        self,
+        directory: Path,
+        level: RecordLevel = RecordLevel.FULL,
+        external_view: Callable[[], NDArray[np.uint8]] | None = None,
+    ) -> None:
         self._directory = directory
         self._level = level
+        self._external_view = external_view
         self._begin = time.monotonic()
         self._calls = CallRecorder(directory, pictures=level is RecordLevel.FULL)
         self._stage = 0
@@ -137,12 +147,16 @@ class EpisodeRecorder:
                 return _episode_end(event, t)
 
     def _step(self, event: StepTaken, t: float) -> schema.StepTakenLine:
-        rgb = depth = None
+        rgb = depth = external = None
         if event.observation is not None:
             rgb = self._write_rgb(f"{event.step:04d}_rgb.jpg", event.observation.rgb)
             self._image_of_rgb[id(event.observation.rgb)] = rgb
             if self._level is RecordLevel.FULL:
                 depth = self._write_depth(f"{event.step:04d}_depth.png", event.observation.depth_m)
+            if self._external_view is not None:
+                picture = _narrow(self._external_view()[..., ::-1], EXTERNAL_WIDTH_PX)
+                quality = [cv2.IMWRITE_JPEG_QUALITY, EXTERNAL_QUALITY]
+                external = self._write(f"{event.step:04d}_external.jpg", picture, quality)
         return schema.StepTakenLine(
             time_s=t,
             step=event.step,
@@ -153,6 +167,7 @@ class EpisodeRecorder:
             pose=event.pose,
             rgb=rgb,
             depth=depth,
+            external=external,
             sightings=event.sightings,
         )
 
@@ -195,9 +210,8 @@ class EpisodeRecorder:
 
     def _write_rgb(self, name: str, rgb: NDArray[np.uint8]) -> str:
         image: NDArray[np.uint8] = rgb[..., ::-1]
-        if self._level is RecordLevel.LIGHT and rgb.shape[1] > LIGHT_WIDTH_PX:
-            height = round(rgb.shape[0] * LIGHT_WIDTH_PX / rgb.shape[1])
-            image = np.asarray(cv2.resize(image, (LIGHT_WIDTH_PX, height), interpolation=cv2.INTER_AREA), dtype=np.uint8)
+        if self._level is RecordLevel.LIGHT:
+            image = _narrow(image, LIGHT_WIDTH_PX)
         return self._write(name, image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY[self._level]])
 
     def _write_depth(self, name: str, depth_m: NDArray[np.float32]) -> str:
@@ -210,6 +224,15 @@ class EpisodeRecorder:
             raise RecordError(f"Cannot encode the image {name!r} of shape {image.shape}.")
         (self._directory / "images" / name).write_bytes(data.tobytes())
         return f"images/{name}"
+
+
+def _narrow(image: NDArray[np.uint8], width_px: int) -> NDArray[np.uint8]:
+    """A picture (H, W, 3) at most so wide."""
+    height, width = image.shape[:2]
+    if width <= width_px:
+        return image
+    size = (width_px, round(height * width_px / width))
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
 def _episode_start(event: EpisodeStarted, t: float) -> schema.EpisodeStartedLine:

@@ -13,7 +13,7 @@ from spacevln.viewer.topdown import INK, SOFT
 WIDTH = 1800
 PAD = 20
 HEAD = 34
-SHOTS = 4
+SHOTS, SHOT_PX = 4, (288, 216)
 
 
 def draw_figure(directory: Path, out: Path, *, stage: int | None = None, failure: bool = False) -> tuple[Path, Path]:
@@ -41,7 +41,11 @@ def draw_figure(directory: Path, out: Path, *, stage: int | None = None, failure
     decisive = diagnosis.stage if diagnosis is not None and diagnosis.stage in stages else None
     longest = max(stages, key=lambda number: scenes.stages[number].get("last", 0) - scenes.stages[number].get("planned", 0))
     chosen = stage if stage is not None else decisive if decisive is not None else longest
-    rows = [_head(scenes), _planner(scenes, chosen), _executor(scenes, chosen)]
+    acted = chosen if _moved(scenes, chosen) or not chosen else chosen - 1  # the last stage only stops
+    shots = _shots(scenes, acted)
+    rows = [_head(scenes), _planner(scenes, chosen), _executor(scenes, acted, shots)]
+    if any(scenes.steps[index]["external"] for index in shots):
+        rows.append(_external(scenes, shots))
     if failure and diagnosis is not None:
         thought = scenes.stages[chosen]["subtask"]["thought"]
         excerpt = " ".join(thought[name] for name in ("progress", "decision") if thought[name])
@@ -69,11 +73,11 @@ def _head(scenes: Scenes) -> Image.Image:
 
 
 def _words(*texts: str) -> Image.Image:
-    row = Image.new("RGB", (WIDTH, 150), "white")
+    row = Image.new("RGB", (WIDTH, 300), "white")
     draw, y = ImageDraw.Draw(row), 6
     for text in texts:
         y = paragraph(draw, (PAD, y), text, WIDTH - 2 * PAD, 19, lines=3) + 4
-    return row
+    return row.crop((0, 0, WIDTH, y + 10))
 
 
 def _planner(scenes: Scenes, number: int) -> Image.Image:
@@ -100,7 +104,12 @@ def _planner(scenes: Scenes, number: int) -> Image.Image:
     memory = stage.get("memory")
     row.paste(scenes.picture(memory["image"] if memory else None, (340, 400)), (700, HEAD))
     ticks = {"verified": "done", "current": "here", "pending": "to do"}
-    y = paragraph(draw, (1060, HEAD + 4), "done" if subtask["complete"] else subtask["instruction"], 340, 18, lines=4) + 6
+    y = (
+        paragraph(
+            draw, (1060, HEAD + 4), "The task is done." if subtask["complete"] else subtask["instruction"], 340, 18, lines=4
+        )
+        + 6
+    )
     for anchor in subtask["chain"]:
         y = paragraph(draw, (1060, y), f"{ticks[anchor['status']]}: {anchor['text']}", 340, 14, lines=1)
     for name in ("progress", "decision"):
@@ -109,24 +118,42 @@ def _planner(scenes: Scenes, number: int) -> Image.Image:
     return row
 
 
-def _executor(scenes: Scenes, number: int) -> Image.Image:
+def _moved(scenes: Scenes, number: int) -> bool:
+    """Whether anything was executed in a stage."""
+    return any(decision["stage"] == number for decision in scenes.story["decisions"])
+
+
+def _shots(scenes: Scenes, number: int) -> list[int]:
+    """A few steps of a stage, evenly spread."""
+    steps = [index for index, step in enumerate(scenes.steps) if step["stage"] == number and step["phase"] != "lookaround"]
+    return sorted({steps[round(k * (len(steps) - 1) / (SHOTS - 1))] for k in range(SHOTS)}) if steps else []
+
+
+def _external(scenes: Scenes, shots: list[int]) -> Image.Image:
+    """The robot from outside at the executor's steps."""
+    row = Image.new("RGB", (WIDTH, HEAD + SHOT_PX[1] + 14), "white")
+    ImageDraw.Draw(row).text((PAD, 4), "External camera", INK, font(18))
+    for k, index in enumerate(shots):
+        row.paste(scenes.picture(scenes.steps[index]["external"], SHOT_PX), (PAD + k * 300, HEAD))
+    return row
+
+
+def _executor(scenes: Scenes, number: int, shots: list[int]) -> Image.Image:
     """One stage: first-person views with their action, landmark memory, and the local path."""
     row = Image.new("RGB", (WIDTH, 330), "white")
     draw = ImageDraw.Draw(row)
     draw.text((PAD, 4), f"Execution of stage {number + 1}", INK, font(18))
-    steps = [index for index, step in enumerate(scenes.steps) if step["stage"] == number and step["phase"] != "lookaround"]
-    picked = sorted({steps[round(k * (len(steps) - 1) / (SHOTS - 1))] for k in range(SHOTS)}) if steps else []
-    for k, index in enumerate(picked):
+    for k, index in enumerate(shots):
         x = PAD + k * 300
-        row.paste(scenes.view(index, (288, 216)), (x, HEAD))
+        row.paste(scenes.view(index, SHOT_PX), (x, HEAD))
         step = scenes.steps[index]
         decision = None if step["decision"] is None else scenes.story["decisions"][step["decision"]]
         draw.text((x, HEAD + 220), f"step {step['step']}: {decision['action'] if decision else step['action']}", INK, font(15))
         if decision:
             paragraph(draw, (x, HEAD + 242), decision["thought"]["action"], 280, 13, lines=2, soft=True)
     draw.text((1230, 4), "Landmark memory", INK, font(18))
-    last = next((scenes.steps[k]["decision"] for k in reversed(steps) if scenes.steps[k]["decision"] is not None), None)
-    pool = [] if last is None else scenes.story["decisions"][last]["pool"]
+    made = [decision for decision in scenes.story["decisions"] if decision["stage"] == number]
+    pool = made[-1]["pool"] if made else []
     y = HEAD + 4
     for candidate in pool:
         arrived = ", arrived" if candidate["arrived"] else ""
@@ -135,6 +162,5 @@ def _executor(scenes: Scenes, number: int) -> Image.Image:
     if not pool:
         draw.text((1230, y), "empty", SOFT, font(14))
     draw.text((1420, 4), "Local path", INK, font(18))
-    at = steps[-1] if steps else len(scenes.steps) - 1
-    row.paste(scenes.map(at, (360, 270), around_m=2.5), (1420, HEAD))
+    row.paste(scenes.map(shots[-1] if shots else len(scenes.steps) - 1, (360, 270), around_m=2.5), (1420, HEAD))
     return row

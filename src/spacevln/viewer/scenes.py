@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import math
 import textwrap
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from spacevln.viewer.topdown import FREE, GOAL, INK, OBSTACLE, REGION_COLOURS, S
 Json = dict[str, Any]
 SAME_FLOOR_M = 1.3
 CHOSEN = (91, 33, 182)
+NAMED_CELLS = 150
+"""Smaller regions get no name on a map."""
 
 
 class Scenes:
@@ -35,7 +38,8 @@ class Scenes:
         self._directory = directory
         self.result: ResultFile | None = read_result(directory)
         story = Story(directory).read(read_events(directory))
-        self.task = story.started.task_text if story.started else ""
+        started = story.started
+        self.task = "" if started is None else f"{'Find: ' if started.task_kind == 'objectnav' else ''}{started.task_text}"
         self.story: Json = story.json(self.result)
         self._layers = {floor["floor"]: _unpack(floor) for floor in self.story["floors"]}
 
@@ -105,8 +109,37 @@ class Scenes:
             )
             y_top = floor["origin"][1] + floor["height"] * floor["resolution"]
             sheet.paste(ground, (round((floor["origin"][0] - left) * scale), round((top - y_top) * scale)))
-        self._draw_marks(ImageDraw.Draw(sheet), step, pose, lambda p: ((p[0] - left) * scale, (top - p[1]) * scale))
+        draw = ImageDraw.Draw(sheet)
+
+        def to_px(point: list[float]) -> tuple[float, float]:
+            return (point[0] - left) * scale, (top - point[1]) * scale
+
+        if floor is not None:
+            self._name_regions(draw, floor, step + 1, to_px, size)
+        self._draw_marks(draw, step, pose, to_px)
         return sheet
+
+    def _name_regions(
+        self,
+        draw: ImageDraw.ImageDraw,
+        floor: Json,
+        step: int,
+        to_px: Callable[[list[float]], tuple[float, float]],
+        size: tuple[int, int],
+    ) -> None:
+        """Names in the middle of what is uncovered of each region."""
+        cells, regions, seen = self.layers(floor)
+        shown = np.where((cells == 1) & (seen <= step), regions, 0)
+        for number in np.unique(shown[shown > 0]):
+            places = np.argwhere(shown == number)
+            if len(places) < NAMED_CELLS:
+                continue
+            y_m, x_m = (places.mean(axis=0) + 0.5) * floor["resolution"]
+            x, y = to_px([floor["origin"][0] + x_m, floor["origin"][1] + y_m])
+            text = floor["names"][number - 1]
+            half = draw.textlength(text, font(13)) / 2
+            if half < x < size[0] - half and 8 < y < size[1] - 8:
+                draw.text((x, y), text, INK, font(13), anchor="mm", stroke_width=2, stroke_fill="white")
 
     def _window(self, floor: Json | None, pose: list[float], around_m: float | None) -> tuple[float, float, float, float]:
         if around_m is not None:
@@ -168,6 +201,13 @@ def _unpack(floor: Json) -> tuple[Any, Any, Any]:
     data = base64.b64decode(floor["picture"].partition(",")[2])
     bgr = np.asarray(cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR), np.int64)[::-1]
     return bgr[..., 2] & 3, bgr[..., 1], ((bgr[..., 2] >> 2) << 8) | bgr[..., 0]
+
+
+def framed(picture: Image.Image) -> Image.Image:
+    """A picture with a thin white border, to lie on another."""
+    sheet = Image.new("RGB", (picture.width + 4, picture.height + 4), "white")
+    sheet.paste(picture, (2, 2))
+    return sheet
 
 
 def font(size: int) -> ImageFont.ImageFont | ImageFont.FreeTypeFont:

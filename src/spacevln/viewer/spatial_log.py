@@ -50,14 +50,14 @@ def write_spatial_log(directory: Path, out: Path) -> Path:
     except OSError as error:
         raise RecordError(f"Cannot write {str(out)!r} ({error.strerror}): give a writable --out.") from error
     stream = rerun.RecordingStream("spacevln", recording_id=directory.resolve().name)
-    stream.save(out, default_blueprint=_blueprint())
+    stream.save(out, default_blueprint=_blueprint(filmed=any(step["external"] for step in scenes.steps)))
     _Log(stream, scenes, directory).write()
     stream.flush()
     stream.disconnect()
     return out
 
 
-def _blueprint() -> rerun.blueprint.Blueprint:
+def _blueprint(*, filmed: bool) -> rerun.blueprint.Blueprint:
     from rerun import blueprint as show
 
     return show.Blueprint(
@@ -65,6 +65,7 @@ def _blueprint() -> rerun.blueprint.Blueprint:
             show.Spatial3DView(origin="world", name="Map and memory"),
             show.Vertical(
                 show.Spatial2DView(origin="world/camera/image", name="What it sees"),
+                *([show.Spatial2DView(origin="outside", name="External camera")] if filmed else []),
                 show.Tabs(
                     show.TextLogView(origin="words", name="Decisions"),
                     show.TextDocumentView(origin="memory", name="Spatial memory"),
@@ -146,6 +147,8 @@ class _Log:
         with Image.open(path) as picture:
             width, height = picture.size
         self._camera(taken, width, height)
+        if taken.external is not None and (self._directory / taken.external).exists():
+            log("outside", show.EncodedImage(path=self._directory / taken.external))
         log("world/camera/image", show.EncodedImage(path=path))
         boxes = self._scenes.steps[index]["boxes"]
         scale = width / self._scenes.story["frame"][0]

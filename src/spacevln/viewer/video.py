@@ -8,11 +8,13 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from spacevln.core import PrerequisiteError, RecordError
-from spacevln.viewer.scenes import CHOSEN, Scenes, font, paragraph
+from spacevln.viewer.scenes import CHOSEN, Scenes, font, framed, paragraph
 from spacevln.viewer.topdown import SOFT
 
 SIZE = (1280, 720)
 PANE = (632, 474)
+INSET = (220, 165)
+"""Of the external camera, in a corner of the first-person view."""
 FRAMES_PER_S = 8
 
 
@@ -56,12 +58,17 @@ def frame(scenes: Scenes, index: int) -> Image.Image:
     stage = scenes.stages[step["stage"]]
     sheet = Image.new("RGB", SIZE, "white")
     sheet.paste(scenes.view(index, PANE), (5, 5))
+    if step["external"]:
+        sheet.paste(framed(scenes.picture(step["external"], INSET)), (PANE[0] - INSET[0] - 3, 10))
     sheet.paste(scenes.map(index, PANE), (643, 5))
     draw = ImageDraw.Draw(sheet)
     y = paragraph(draw, (14, 488), scenes.task, 1250, 16, lines=2, soft=True)
     subtask = stage.get("subtask") if index > stage.get("planned", index) else None
     if subtask is None:
         draw.text((14, y + 6), "Looking around", CHOSEN, font(20))
+        ended = scenes.stages[step["stage"] - 1].get("end") if step["stage"] else None
+        if ended:
+            draw.text((14, y + 40), f"The last stage ended by {ended.replace('_', ' ')}.", SOFT, font(15))
     else:
         text = "The task is done." if subtask["complete"] else subtask["instruction"]
         y = paragraph(draw, (14, y + 6), text, 1250, 20, lines=2)

@@ -7,14 +7,18 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from spacevln.core.actions import Action, Motion, MoveForward, Stop, TurnLeft, TurnRight
 from spacevln.core.errors import ContractError
 from spacevln.core.geometry import Pose
 from spacevln.core.interfaces import EnvironmentSpec
 from spacevln.core.sensing import Camera, Observation
 from spacevln.core.task import EpisodeSpec
+from spacevln.environments.houses.chase import ChaseCamera
 from spacevln.environments.houses.labels import house_labels, image_labels
-from spacevln.environments.houses.rendering import Drawable, Renderer, RendererName, make_renderer, renderer_info
+from spacevln.environments.houses.rendering import Drawable, DrawnBody, Renderer, RendererName, make_renderer, renderer_info
 from spacevln.environments.houses.walking.motion import Body, Ground
 
 _KEPT_SCENES = 4
@@ -99,6 +103,7 @@ class HousesEnvironment:
         self._scenes = _Scenes(load, lambda place: make_renderer(info, place.drawable, view.width_px, view.height_px))
         self._episode: EpisodeSpec | None = None
         self._observation: Observation | None = None
+        self._chase: ChaseCamera | None = None
         self._stopped = False
 
     @property
@@ -117,7 +122,7 @@ class HousesEnvironment:
         self._body = Body(place.ground, sliding=self._sliding)
         self._at: Pose = self._body.placed(episode.start)
         self._start = self._at
-        self._episode, self._observation, self._stopped = episode, None, False
+        self._episode, self._observation, self._chase, self._stopped = episode, None, None, False
         return self.observe()
 
     def observe(self) -> Observation:
@@ -137,6 +142,19 @@ class HousesEnvironment:
                 labels=image_labels(frame.instance_ids, self._labels),
             )
         return self._observation
+
+    def external_view(self) -> NDArray[np.uint8]:
+        """The robot as a camera behind it sees it, (H, W, 3); for records, never for the agent."""
+        if self._episode is None:
+            raise ContractError("HousesEnvironment.external_view() was called before reset(): reset to an episode first.")
+        if self._chase is None:
+            from spacevln.environments.houses.ground.walkable import AGENT_RADIUS_M
+
+            place, renderer = self._scenes.get(self._episode.scene)
+            camera = self._spec.camera
+            body = DrawnBody(AGENT_RADIUS_M, camera.height_m)
+            self._chase = ChaseCamera(place.drawable, renderer, body, (camera.width_px, camera.height_px))
+        return self._chase.view(self._at)
 
     def execute(self, action: Action) -> Motion:
         """Carry out one primitive.

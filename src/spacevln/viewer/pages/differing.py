@@ -12,7 +12,8 @@ def first_difference(first: dict[str, Any], second: dict[str, Any]) -> dict[str,
     """The first planner or executor decision that differs between two stories; None when all agree.
 
     Returns:
-        ``stage``, ``what`` (which decision), the ``values`` of both sides and the index of the ``steps`` at which they are made.
+        ``stage``, ``decision`` (its number; None for the planner's), ``what`` in words, the ``values`` of both sides and the
+        index of the ``steps`` at which they are made.
     """
     for number in range(max(len(first["stages"]), len(second["stages"]))):
         stages = [story["stages"][number] if number < len(story["stages"]) else None for story in (first, second)]
@@ -20,13 +21,13 @@ def first_difference(first: dict[str, Any], second: dict[str, Any]) -> dict[str,
             ends = [
                 _last(story) if stage is None else stage["first"] for story, stage in zip((first, second), stages, strict=True)
             ]
-            return {"stage": number, "what": "number of stages", "values": _said(stages), "steps": ends}
+            return _difference(number, None, "number of stages", _said(stages), ends)
         subtasks = [stage.get("subtask") for stage in stages if stage]
         for name in DECIDED:
             values = [subtask and subtask[name] for subtask in subtasks]
             if values[0] != values[1]:
                 at = [stage.get("planned", stage["first"]) for stage in stages if stage]
-                return {"stage": number, "what": f"planner: {name}", "values": list(map(_word, values)), "steps": at}
+                return _difference(number, None, f"planner: {name}", list(map(_word, values)), at)
         made = [[decision for decision in story["decisions"] if decision["stage"] == number] for story in (first, second)]
         for k in range(max(map(len, made))):
             pair = [decisions[k] if k < len(decisions) else None for decisions in made]
@@ -37,8 +38,12 @@ def first_difference(first: dict[str, Any], second: dict[str, Any]) -> dict[str,
                     for decision, story, stage in zip(pair, (first, second), stages, strict=True)
                     if stage
                 ]
-                return {"stage": number, "what": f"executor: decision {k + 1}", "values": list(map(_word, values)), "steps": at}
+                return _difference(number, k + 1, f"executor: decision {k + 1}", list(map(_word, values)), at)
     return None
+
+
+def _difference(stage: int, decision: int | None, what: str, values: list[str], steps: list[int]) -> dict[str, Any]:
+    return {"stage": stage, "decision": decision, "what": what, "values": values, "steps": steps}
 
 
 def _last(story: dict[str, Any]) -> int:

@@ -24,8 +24,10 @@ from spacevln.viewer.pages.story import Story
 
 HERE = Path(__file__).parent
 PAGE = "index.html"
-COPIED = ("images/*_rgb.jpg", "images/stage_*.png", "prompts/*.jpg", "prompts/*.png")
+COPIED = ("images/*_rgb.jpg", "images/*_external.jpg", "images/stage_*.png", "prompts/*.jpg", "prompts/*.png")
 """What pages show of an episode's record."""
+FIRST_SHOWN = 300
+"""Episodes of a long list that are laid out before one asks for all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +162,7 @@ def _write_episode(folder: Path, target: _Target, run: RunFile, around: tuple[st
         before=around[0],
         after=around[1],
         has_truth=bool(data["goals"]),
+        has_external=any(step["external"] for step in data["steps"]),
         data=_json(data),
     )
 
@@ -179,6 +182,7 @@ def _write_run(folders: Sequence[Path], target: _Target, run: RunFile) -> None:
         diagnoses=[] if summary is None else tell.diagnoses(summary, [result for _, result in results if result]),
         kinds=[] if summary is None else tell.kinds(summary),
         episodes=lines,
+        first=FIRST_SHOWN,
         outcomes=sorted({line["outcome"]["kind"] for line in lines}),
         columns=tell.columns(costs=costs),
         costs=costs,

@@ -157,6 +157,8 @@ class Story:
         stage["last"] = len(self.steps)
         if line.rgb is not None:
             self._step_of_image[line.rgb] = len(self.steps)
+        before = self.steps[-1] if self.steps else None
+        still = before if line.rgb is None and line.phase == "stop" else None  # nothing moved: what was seen is still seen
         deciding = line.phase in ("execute", "stop") and bool(self.decisions) and self.decisions[-1]["stage"] == line.stage
         self.poses.append(line.pose)
         self.steps.append(
@@ -169,8 +171,9 @@ class Story:
                 "turned": _degrees(line.motion.turned_rad),
                 "collided": line.motion.collided,
                 "at": _pose(line.pose),
-                "rgb": line.rgb,
-                "boxes": self._boxes(line.sightings),
+                "rgb": still["rgb"] if still else line.rgb,
+                "external": still["external"] if still else line.external,
+                "boxes": still["boxes"] if still else self._boxes(line.sightings),
                 "decision": len(self.decisions) - 1 if deciding else None,
                 "time": line.time_s,
             }

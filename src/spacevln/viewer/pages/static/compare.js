@@ -19,12 +19,15 @@
       showFrame(root.querySelector(".frame"), story, step, true);
       floors.draw(own);
       const subtask = step && story.stages[step.stage].subtask;
-      const marked = differing && step && step.stage === differing.stage;
+      const here = differing && step && step.stage === differing.stage;
+      const marked = here && differing.decision === null;
       root.querySelector(".plan").replaceChildren(
         make("p", { class: `instruction${marked ? " differs" : ""}` }, subtask ? (subtask.complete ? "The task is done." : subtask.instruction) : "No subtask"),
-        subtask ? make("p", { class: "chips" }, make("span", { class: "chip chosen" }, subtask.direction || "no direction"), subtask.landmark ? make("span", { class: "chip" }, `landmark: ${subtask.landmark}`) : null) : "",
+        subtask ? make("p", { class: "chips" }, subtask.complete ? null : make("span", { class: "chip chosen" }, subtask.direction || "no direction"), subtask.landmark ? make("span", { class: "chip" }, `landmark: ${subtask.landmark}`) : null) : "",
         subtask ? fields(Object.entries(subtask.thought)) : "");
-      root.querySelector(".act-of").replaceChildren(...showAct(story, step));
+      const act = root.querySelector(".act-of");
+      act.replaceChildren(...showAct(story, step, ` of record ${k + 1}`));
+      act.classList.toggle("differs", Boolean(here && differing.decision === story.decisions[step.decision]?.number));
     });
     if (!each) history.replaceState(null, "", `#step=${at + 1}`);
   }
@@ -59,7 +62,9 @@
     event.preventDefault();
     acts[event.key]();
   });
-  new ResizeObserver(() => drawBand(by("band"), sides[0], differing ? differing.steps[0] : null)).observe(by("band"));
+  const band = () => drawBand(by("band"), sides.map((story, k) => ({ story, marked: differing ? differing.steps[k] : null })));
+  new ResizeObserver(band).observe(by("band"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { band(); go(at); });
   const asked = Number(new URLSearchParams(location.hash.slice(1)).get("step"));
   if (asked) go(asked - 1);
   else if (differing) go(differing.steps[0], differing.steps);

@@ -13,6 +13,7 @@
     scrub.setAttribute("aria-valuetext", step ? `step ${step.step}, stage ${step.stage + 1}, ${step.action}` : "no step");
     where.textContent = step ? `step ${step.step} of ${last + 1} · stage ${step.stage + 1} of ${story.stages.length}` : "no step";
     showFrame(by("frame"), story, step, by("show-boxes").checked);
+    showExternal(by("external"), step, by("show-external")?.checked);
     by("act").replaceChildren(...showAct(story, step));
     floors.draw(at);
     const stage = step ? step.stage : story.stages.length - 1;
@@ -63,7 +64,7 @@
     by("stage-table").tBodies[0].append(make("tr", { "data-stage": k },
       make("td", {}, make("a", { href: `#stage=${k + 1}` }, String(k + 1))),
       make("td", {}, stage.subtask ? (stage.subtask.complete ? "the task is done" : stage.subtask.instruction) : "–"),
-      make("td", {}, stage.subtask?.direction ?? "–"), make("td", {}, stage.subtask?.landmark || "–"),
+      make("td", {}, (stage.subtask?.complete ? null : stage.subtask?.direction) ?? "–"), make("td", {}, stage.subtask?.landmark || "–"),
       make("td", {}, stage.end?.replace("_", " ") ?? "–", stage.refused.length ? make("span", { class: "why soft" }, `${stage.refused.length} refused`) : null),
       make("td", { class: "num" }, String(steps))));
   });
@@ -74,6 +75,7 @@
   by("to-stage-before").addEventListener("click", () => toStage(-1));
   by("to-stage-after").addEventListener("click", () => toStage(1));
   by("show-boxes").addEventListener("change", () => go(at, { keep: true }));
+  by("show-external")?.addEventListener("change", () => go(at, { keep: true }));
   for (const box of document.querySelectorAll("[data-layer]")) {
     box.addEventListener("change", () => { floors.layers[box.dataset.layer] = box.checked; floors.draw(at); });
   }
@@ -87,7 +89,8 @@
     acts[event.key]();
   });
   addEventListener("hashchange", () => { if (fromAddress()) scrollTo({ top: 0 }); });
-  new ResizeObserver(() => drawBand(by("band"), story, story.decisive)).observe(by("band"));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { drawBand(by("band"), story, story.decisive); go(at, { keep: true }); });
+  const band = () => drawBand(by("band"), [{ story, marked: story.decisive }]);
+  new ResizeObserver(band).observe(by("band"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { band(); go(at, { keep: true }); });
   if (!fromAddress()) go(0, { keep: true });
 })();

@@ -323,8 +323,17 @@ function showFrame(frame, story, step, withBoxes) {
     svg.append(drawn("rect", { ...shape, stroke: "#000", "stroke-width": 5, opacity: 0.45 }), drawn("rect", { ...shape, stroke: "#ffd60a", "stroke-width": 2.5 }));
     if ((x1 - x0) * (y1 - y0) < 0.006 * story.frame[0] * story.frame[1]) continue;
     const text = `${name}${m === null ? "" : ` ${m.toFixed(1)} m`}`, size = frame.clientWidth < 420 ? 22 : 16;
-    svg.append(drawn("text", { x: Math.max(4, Math.min(x0 + 4, story.frame[0] - 0.58 * size * text.length)), y: Math.max(y0, 0) + size + 2, "font-size": size, "font-weight": 600, fill: "#ffd60a", stroke: "#000", "stroke-width": 4, "paint-order": "stroke" }, text));
+    svg.append(drawn("text", { x: Math.max(4, Math.min(x0 + 4, story.frame[0] - 0.64 * size * text.length)), y: Math.max(y0, 0) + size + 2, "font-size": size, "font-weight": 600, fill: "#ffd60a", stroke: "#000", "stroke-width": 4, "paint-order": "stroke" }, text));
   }
+}
+
+/* The robot from outside, in a corner of that picture, where the record has it. */
+function showExternal(image, step, wanted) {
+  if (!image) return;
+  image.hidden = !wanted || !step?.external;
+  if (image.hidden) return;
+  image.src = step.external;
+  image.alt = `The robot seen from behind at step ${step.step}`;
 }
 
 /* Omega_t as three sectors, each as long as it is free. */
@@ -345,8 +354,8 @@ function sectors(decision) {
 
 const PHASES = { lookaround: "looking around", align: "aligning with the chosen direction", execute: "executing", stop: "stopping" };
 
-/* What the executor decided at a step, or what the body did otherwise. */
-function showAct(story, step) {
+/* What the executor decided at a step, or what the body did otherwise; `whose` tells two records apart. */
+function showAct(story, step, whose = "") {
   if (!step) return [make("p", { class: "soft" }, "Nothing was recorded after the start.")];
   const decision = story.decisions[step.decision];
   const real = `${step.action}${step.moved ? `, moved ${step.moved.toFixed(2)} m` : ""}${step.turned ? `, turned ${step.turned}°` : ""}`;
@@ -371,14 +380,14 @@ function showAct(story, step) {
     make("p", { class: "chips", "aria-label": "Admissible actions" }, ...allowed.map((name) => make("span", { class: `chip${chosen(name) ? " chosen" : ""}` }, name))),
   ];
   if (decision.reasons.length) parts.push(make("p", { class: "soft small" }, `Masked: ${decision.reasons.join("; ")}`));
-  parts.push(poolTable(decision.pool));
+  parts.push(poolTable(decision.pool, whose));
   return parts;
 }
 
-function poolTable(pool) {
+function poolTable(pool, whose) {
   if (!pool.length) return make("p", { class: "soft small" }, "The landmark pool is empty.");
   const head = ["landmark", "distance", "bearing", "confidence", "visible", "arrived"];
-  return make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Landmark pool" }, make("table", {},
+  return make("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Landmark pool${whose}` }, make("table", {},
     make("thead", {}, make("tr", {}, ...head.map((name, k) => make("th", { scope: "col", class: k > 0 && k < 4 ? "num" : null }, name)))),
     make("tbody", {}, ...pool.map((c) => make("tr", {},
       make("td", {}, `${c.name} (${c.kind})`), make("td", { class: "num" }, metres(c.m)),
@@ -397,7 +406,7 @@ function showStage(story, number, go) {
     const next = subtask.chain.findIndex((anchor) => anchor.status === "pending");
     parts.push(
       make("p", { class: "instruction" }, subtask.complete ? "The task is done." : subtask.instruction),
-      make("p", { class: "chips" }, make("span", { class: "chip chosen" }, subtask.direction || "no direction"),
+      make("p", { class: "chips" }, subtask.complete ? null : make("span", { class: "chip chosen" }, subtask.direction || "no direction"),
         subtask.landmark ? make("span", { class: "chip" }, `landmark: ${subtask.landmark}`) : null,
         make("span", { class: "chip" }, `last subtask: ${subtask.verdict}`),
         subtask.revision ? make("span", { class: "chip warn" }, `anchors revised: ${subtask.revision}`) : null,
@@ -457,28 +466,31 @@ function showCall(story, call) {
   return node;
 }
 
-/* Stages as bands of the timeline. */
-function drawBand(canvas, story, marked = null) {
-  const ratio = window.devicePixelRatio || 1, w = canvas.clientWidth, n = Math.max(1, story.steps.length);
+/* Stages as bands of the timeline, a row for each record, over the steps of the longest. */
+function drawBand(canvas, rows) {
+  const ratio = window.devicePixelRatio || 1, w = canvas.clientWidth, height = canvas.clientHeight / rows.length;
+  const n = Math.max(1, ...rows.map(({ story }) => story.steps.length));
   canvas.width = Math.round(w * ratio);
-  canvas.height = 14 * ratio;
+  canvas.height = Math.round(canvas.clientHeight * ratio);
   const pen = canvas.getContext("2d");
   pen.scale(ratio, ratio);
-  story.steps.forEach((step, k) => {
-    const dark = step.phase === "lookaround";
-    pen.globalAlpha = (step.stage % 2 ? 0.55 : 0.9) * (dark ? 0.35 : 1);
-    pen.fillStyle = step.collided ? colour("goal") : colour("accent");
-    pen.fillRect((k / n) * w, 0, w / n + 0.6, 14);
+  rows.forEach(({ story, marked }, row) => {
+    const top = row * height, bottom = top + height - (row < rows.length - 1 ? 1 : 0);
+    story.steps.forEach((step, k) => {
+      pen.globalAlpha = (step.stage % 2 ? 0.55 : 0.9) * (step.phase === "lookaround" ? 0.35 : 1);
+      pen.fillStyle = step.collided ? colour("goal") : colour("accent");
+      pen.fillRect((k / n) * w, top, w / n + 0.6, bottom - top);
+    });
+    pen.globalAlpha = 1;
+    if (marked === null) return;
+    const x = ((marked + 0.5) / n) * w;
+    pen.fillStyle = colour("target");
+    pen.strokeStyle = colour("bg");
+    pen.lineWidth = 1.5;
+    pen.beginPath();
+    for (const [dx, y] of [[-height / 2, top], [height / 2, top], [0, bottom - 0.5]]) pen.lineTo(x + dx, y);
+    pen.closePath();
+    pen.fill();
+    pen.stroke();
   });
-  pen.globalAlpha = 1;
-  if (marked === null) return;
-  const x = ((marked + 0.5) / n) * w;
-  pen.fillStyle = colour("target");
-  pen.strokeStyle = colour("bg");
-  pen.lineWidth = 1.5;
-  pen.beginPath();
-  for (const [dx, y] of [[-7, 0], [7, 0], [0, 13]]) pen.lineTo(x + dx, y);
-  pen.closePath();
-  pen.fill();
-  pen.stroke();
 }

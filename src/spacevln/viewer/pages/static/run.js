@@ -3,23 +3,26 @@
   const table = document.getElementById("list");
   const body = table.tBodies[0];
   const rows = [...body.rows];
+  const more = document.getElementById("more");
+  let order = rows, limit = Number(table.dataset.first);
   const find = document.getElementById("find");
   const outcome = document.getElementById("outcome");
   const diagnosis = document.getElementById("diagnosis");
   const shown = document.getElementById("shown");
-  const words = rows.map((row) => row.cells[1].textContent.toLowerCase());
+  const words = new Map(rows.map((row) => [row, row.cells[1].textContent.toLowerCase()]));
 
   function filter() {
     const text = find.value.trim().toLowerCase();
     let count = 0;
-    rows.forEach((row, index) => {
-      const fits = words[index].includes(text) && (!outcome.value || row.dataset.outcome === outcome.value) &&
+    for (const row of order) {
+      const fits = words.get(row).includes(text) && (!outcome.value || row.dataset.outcome === outcome.value) &&
         (!diagnosis || !diagnosis.value || row.dataset.diagnosis === diagnosis.value);
-      row.hidden = !fits;
-      row.style.display = fits ? "" : "none";
       count += fits;
-    });
-    shown.textContent = `${count} shown`;
+      row.hidden = !fits || count > limit;
+    }
+    shown.textContent = count > limit ? `${count} found, the first ${limit} shown` : `${count} shown`;
+    more.hidden = count <= limit;
+    more.textContent = `Show all ${count}`;
     const query = new URLSearchParams();
     if (text) query.set("find", find.value.trim());
     if (outcome.value) query.set("outcome", outcome.value);
@@ -42,15 +45,20 @@
     head.setAttribute("aria-sort", down ? "descending" : "ascending");
     const cell = Number(button.dataset.sort) + 1;
     const value = (row) => row.cells[cell].dataset.v ?? "";
-    const sorted = [...rows].sort((a, b) => {
+    order = [...rows].sort((a, b) => {
       const [x, y] = [value(a), value(b)];
       return down && x !== "" && y !== "" ? compare(y, x) : compare(x, y);
     });
-    body.append(...sorted);
+    body.append(...order);
+    filter();
   });
 
   for (const control of [find, outcome, diagnosis]) if (control) control.addEventListener("input", filter);
   find.form.addEventListener("submit", (event) => event.preventDefault());
+  more.addEventListener("click", () => {
+    limit = Infinity;
+    filter();
+  });
   for (const button of document.querySelectorAll("button[data-diagnosis]")) {
     button.addEventListener("click", () => {
       diagnosis.value = button.dataset.diagnosis;
