@@ -34,16 +34,18 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
-    """A head without a CPU and two nodes of one CPU each, all processes of this machine."""
-    os.environ["RAY_AUTH_MODE"] = "disabled"  # else it leaves a token in the home directory
+    """A head without a CPU and three nodes of one CPU each, one to spare, all processes of this machine."""
+    patch = pytest.MonkeyPatch()
+    patch.setenv("RAY_AUTH_MODE", "disabled")  # else it leaves a token in the home directory
+    patch.setenv("PYTHONPATH", str(Path(scripted_bench.__file__).parent), prepend=os.pathsep)  # its nodes know the tests' world
     from ray.cluster_utils import Cluster
 
     made = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, "include_dashboard": False})
-    for _ in range(2):
+    for _ in range(3):
         made.add_node(num_cpus=1)
     yield made
     made.shutdown()
-    del os.environ["RAY_AUTH_MODE"]
+    patch.undo()
 
 
 def wait_for(happened: Callable[[], Any], seconds: float = 120.0) -> Any:
@@ -59,17 +61,25 @@ def attempting() -> list[int]:
     return [
         int(folder.name)
         for folder in Path("/proc").glob("[0-9]*")
-        if b"ray::" in read(folder / "cmdline") and b".attempt" in read(folder / "cmdline") and descends(int(folder.name))
+        if b"ray::" in read(folder / "cmdline")
+        and b".attempt" in read(folder / "cmdline")
+        and descends(int(folder.name), os.getpid())
     ]
 
 
-def descends(pid: int) -> bool:
+def descends(pid: int, ancestor: int) -> bool:
     while pid > 1:
-        if pid == os.getpid():
+        if pid == ancestor:
             return True
         fields = read(Path(f"/proc/{pid}/stat")).rpartition(b")")[2].split()
         pid = int(fields[1]) if fields else 0
     return False
+
+
+def raylet_of(node: Any) -> int:
+    """The process of a node, above those of its workers."""
+    pid: int = node.all_processes["raylet"][0].process.pid
+    return pid
 
 
 def read(path: Path) -> bytes:
@@ -98,9 +108,12 @@ class Hits(threading.Thread):
         self.done.append("worker")
         wait_for(lambda: (hit / "result.json").exists())
         wait_for(lambda: len(attempting()) == 2)
-        self._cluster.remove_node(self._cluster.worker_nodes.copy().pop(), allow_graceful=False)
-        self._cluster.add_node(num_cpus=1)
+        self._cluster.remove_node(wait_for(self._node_at_work), allow_graceful=False)
         self.done.append("node")
+
+    def _node_at_work(self) -> Any:
+        victim = attempting()[:1]
+        return next((node for node in self._cluster.worker_nodes for pid in victim if descends(pid, raylet_of(node))), None)
 
     def _lost(self) -> list[Path]:
         folders = [path.parent for path in self._directory.glob(f"episodes/*/{NAME}")]

@@ -196,34 +196,38 @@ class WatchedPool:
         """See :class:`Pool`."""
         posts: list[_Post] = []
         try:
-            posts += [self._start() for _ in range(min(self.size, len(queue)))]
             while queue or any(post.episode_id is not None for post in posts):
+                self._hire(posts, len(queue))
                 for post in posts:
                     if post.ready and post.episode_id is None and queue:
                         self._assign(post, queue, [other.scene for other in posts], begin)
                 self.workplace.wait([post.worker for post in posts], POLL_S)
-                for index, post in enumerate(posts):
+                for post in tuple(posts):
                     try:
                         outcome = self._collect(post)
                     except WorkerLost as lost:
-                        outcome = None if post.episode_id is None else Outcome(post.episode_id, str(lost))
-                        posts[index] = self._replace(post, str(lost))
+                        posts.remove(post)
+                        outcome = self._bury(post, str(lost))
                     if outcome is not None:
                         yield outcome
         finally:
             self.workplace.end([post.worker for post in posts])
 
-    def _start(self) -> _Post:
-        return _Post(self.workplace.start(self.opener, self.job))
+    def _hire(self, posts: list[_Post], waiting: int) -> None:
+        """Start workers while there is work for one more."""
+        busy = sum(post.episode_id is not None for post in posts)
+        while len(posts) < min(self.size, busy + waiting):
+            posts.append(_Post(self.workplace.start(self.opener, self.job)))
 
-    def _replace(self, post: _Post, how: str) -> _Post:
+    def _bury(self, post: _Post, how: str) -> Outcome | None:
+        """What became of a lost worker's attempt; None where it had none."""
         self._false_starts += not post.ready
         if self._false_starts == MAX_FALSE_STARTS:
             raise EnvironmentFailure(
                 f"{MAX_FALSE_STARTS} workers in a row died before they were ready, the last one so: {how}; "
                 "run with --workers 1 and `spacevln doctor`."
             )
-        return self._start()
+        return None if post.episode_id is None else Outcome(post.episode_id, how)
 
     def _assign(self, post: _Post, queue: Queue, taken: Sequence[str | None], begin: Callable[[str], int]) -> None:
         post.episode_id = queue.take(post.scene, taken)

@@ -10,6 +10,7 @@ import importlib
 import logging
 import os
 import platform
+import socket
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, field
@@ -24,6 +25,9 @@ from spacevln.evaluation.shared_detector import DetectorActor, SharedDetector
 
 if TYPE_CHECKING:
     import ray
+
+ANSWER_S = 10.0
+"""How long a cluster's head may take to answer."""
 
 
 @dataclass(slots=True)
@@ -115,13 +119,15 @@ class RayCluster:
         import ray
 
         try:
+            if self.address not in ("auto", "local"):
+                _refuse_silence(self.address)
             ray.init(
                 self.address,
                 log_to_driver=False,
                 logging_level=logging.WARNING,
                 include_dashboard=False if self.address == "local" else None,
             )
-        except (ConnectionError, ValueError) as error:
+        except (OSError, ValueError) as error:  # Ray's are a ConnectionError, which is an OSError, and a ValueError
             raise PrerequisiteError(
                 f"There is no Ray cluster at --ray {self.address!r}: give HOST:PORT of its head, 'auto' for the one of this "
                 "machine (`ray start --head`), or 'local' for a new one."
@@ -188,6 +194,18 @@ def _check_node(version: str, directory: str) -> None:
 
 
 def _briefly(error: Exception) -> str:
-    """The first line of Ray's message that says something."""
-    lines = (line.strip() for line in str(error).splitlines())
-    return f"{type(error).__name__}: {next((line for line in lines if line), 'no message')}"
+    """One line: the worker's own error where it had one, else the first that Ray says."""
+    cause = getattr(error, "cause", None) or error
+    lines = (line.strip() for line in str(cause).splitlines())
+    return f"{type(cause).__name__}: {next((line for line in lines if line), 'no message')}"
+
+
+def _refuse_silence(address: str) -> None:
+    """See that somebody answers at HOST:PORT, because Ray itself would try for minutes.
+
+    Raises:
+        OSError: nobody does.
+        ValueError: it is no HOST:PORT.
+    """
+    host, _, port = address.rpartition(":")
+    socket.create_connection((host, int(port)), timeout=ANSWER_S).close()
