@@ -150,9 +150,12 @@ def _write_suite(name: str, split: str, count: int | None, folder: Path) -> Path
 
     from rich.progress import Progress
 
+    from spacevln.evaluation.stored import copy_suite
     from spacevln.evaluation.suites import PLANS, write_suite
 
-    plan = PLANS[split] if count is None else replace(PLANS[split], houses=count)
+    if count is None:
+        return copy_suite(name, split, folder)
     with Progress(transient=True) as bar:
-        task = bar.add_task("houses", total=plan.houses)
+        task = bar.add_task("houses", total=count)
+        plan = replace(PLANS[split], houses=count)
         return write_suite(name, split, folder, plan, lambda done: bar.update(task, completed=done))

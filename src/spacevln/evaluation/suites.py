@@ -1,4 +1,4 @@
-"""Writes the stored suites of the houses in the file formats of R2R-CE and HM3D-OVON, the same bytes every time.
+"""Makes the suites of the houses (:mod:`.stored`) in the file formats of R2R-CE and HM3D-OVON, the same text every time.
 
 The episodes are then read by the same loaders as the benchmarks' (:func:`.houses.stored_episodes`), and other programs can run
 them in the exported houses.

@@ -30,7 +30,7 @@ def load(name: str, path: str | Path | None = None, *, split: str | None = None,
     """The episodes of a benchmark or suite.
 
     >>> load("houses-vln", split="dev", slice="0:2").ids
-    ('houses-vln-000000', 'houses-vln-000001')
+    ('houses-vln_dev-000', 'houses-vln_dev-001')
 
     Args:
         name: one of :data:`SUITES`.

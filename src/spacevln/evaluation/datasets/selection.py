@@ -12,14 +12,12 @@ from spacevln.evaluation.datasets import gn_bench, hm3d_ovon, r2r_ce, rxr_ce
 from spacevln.evaluation.datasets.filters import Filters
 from spacevln.evaluation.datasets.paper import checked, paper_subset
 from spacevln.evaluation.datasets.sequence import EpisodeSequence
+from spacevln.evaluation.stored import VERSION, stored_suite
 
 Probe = Literal["none", "swapped", "last-noun"]
 HOUSES_SUITES = ("houses-vln", "houses-objectnav")
 BENCHMARKS = ("r2r-ce", "rxr-ce", "hm3d-ovon", "gn-bench")
 SUITES = (*HOUSES_SUITES, *BENCHMARKS)
-
-TEST_SEEDS = (100_000, 100_100)
-DEV_SEEDS = (0, 50)
 
 SPLITS: dict[str, tuple[str, ...]] = {
     "houses-vln": ("test", "dev"),
@@ -38,8 +36,8 @@ class Selection(BaseModel):
     Args:
         suite: its name.
         split: of the suite; None takes the first of :data:`SPLITS`. ``test`` of a houses suite has phrases never used for tuning.
-        path: where the data of a benchmark lies, or a houses suite in a file.
-        seeds: houses: one fresh episode of each house seed A..B-1 instead of the split's own.
+        path: where the data of a benchmark lies, or a houses suite in a file instead of the stored one.
+        seeds: houses: one fresh episode of each house seed A..B-1 instead of a split.
         filters: conditions.
         episodes: only the first so many of what the filters leave.
         shard: (i, n): every n-th of those from the i-th on, i from 1, so that n machines share the work.
@@ -61,11 +59,8 @@ class Selection(BaseModel):
     def name(self) -> str:
         """One line that identifies the selection in ``run.json``; how many of its episodes run, and where, does not matter."""
         words = [self.suite]
-        if self.suite in HOUSES_SUITES and self.path is None:
-            first, last = self.seeds or self._own_seeds
-            words.append(f"seeds {first}:{last}")
-        else:
-            words.append(self._split)
+        words.append(self._split if self.seeds is None else f"seeds {self.seeds[0]}:{self.seeds[1]}")
+        words += [VERSION] if self.suite in HOUSES_SUITES and self.seeds is None and self.path is None else []
         words += [self.filters.words] if self.filters.words else []
         words += [f"probe {self.probe}"] if self.probe != "none" else []
         return " ".join(words)
@@ -100,22 +95,19 @@ class Selection(BaseModel):
     def _split(self) -> str:
         return self.split or SPLITS.get(self.suite, ("",))[0]
 
-    @property
-    def _own_seeds(self) -> tuple[int, int]:
-        return TEST_SEEDS if self._split == "test" else DEV_SEEDS
-
     def _houses(self) -> EpisodeSequence:
-        first, last = self.seeds or self._own_seeds
-        if not 0 <= first < last:
-            raise UsageError(f"Seeds {first}:{last} name no house: give A:B with 0 <= A < B.")
         self._refuse("language", "role", "available_in")
         from spacevln.evaluation.houses import fresh_episodes, stored_episodes
         from spacevln.evaluation.probes import probed
 
+        if self.seeds is None:
+            path = self.path or stored_suite(self.suite, self._split)
+            return probed(stored_episodes(self.suite, path, self._split), self.probe)
+        first, last = self.seeds
         if self.path is not None:
-            if self.seeds is not None:
-                raise UsageError(f"Seeds {first}:{last} and a suite in the file {str(self.path)!r} exclude each other: give one.")
-            return probed(stored_episodes(self.suite, self.path, self._split), self.probe)
+            raise UsageError(f"Seeds {first}:{last} and a suite in the file {str(self.path)!r} exclude each other: give one.")
+        if not 0 <= first < last:
+            raise UsageError(f"Seeds {first}:{last} name no house: give A:B with 0 <= A < B.")
         return probed(fresh_episodes(self.suite, range(first, last)), self.probe)
 
     def _benchmark(self) -> EpisodeSequence:
