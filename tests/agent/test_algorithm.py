@@ -259,6 +259,15 @@ def test_what_the_executor_saw_is_told_from_its_first_image_on() -> None:
     assert [seen.category for seen in made.sightings] == ["doorway"]
 
 
+def test_what_the_look_around_showed_of_the_landmark_is_remembered_from_the_stages_begin() -> None:
+    subtasks, start = [subtask_of(CHAIN, 0)] * 2, Pose(-0.9, 0.0, 0.0, math.pi)
+    done = run(subtasks, [Stop(), Stop()], AgentSettings(step_limit=28), start=start)
+    (doorway,) = done.executor.contexts[1].pool  # the second look-around was asked for the first stage's landmark
+    assert doorway.category == "doorway"
+    assert not doorway.visible
+    assert abs(doorway.bearing_rad) == pytest.approx(math.pi, abs=0.3)
+
+
 @pytest.mark.parametrize("line", [subtask_of(CHAIN, 0, "image 3"), ReplyRejected("parse", "no JSON."), ModelError("gone")])
 def test_a_hopeless_planner_ends_the_episode_in_a_controlled_way(line: object) -> None:
     done = run([line])  # type: ignore[list-item]

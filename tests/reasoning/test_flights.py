@@ -130,3 +130,9 @@ def test_the_entry_that_a_stage_was_for_is_entered_though_its_steps_are_out_of_t
     ).subtask
     assert second.target_m == (6.0, 0.0, STOREY_M)
     assert planner._state.entering is None
+
+
+def test_a_flight_on_which_one_stands_still_is_none() -> None:
+    flight = crossing((5.0, 0.0))
+    assert flight.go_on(Pose(1.2, 0.0, -0.8))
+    assert not flight.go_on(Pose(1.2, 0.0, -0.8))

@@ -55,6 +55,17 @@ def test_turns_the_short_way_round_in_one_decision(bearing_deg: float, turns: in
     assert [run.forwards for run in runs[1:]] == [5] or sum(run.forwards for run in runs) == 6
 
 
+def test_the_turn_of_a_stages_alignment_is_no_decision() -> None:
+    start, target = Pose(0, 0, 0, 0), (1.06, 1.06)  # between two headings
+    way = straight_guide(start.xy_m, np.array(target))
+    runs = [
+        first_run(GAIT, Obstacles(), NO_BUMPS, start, way, np.array(target), 0.2, 1.25, (True, True), aligning=aligning)
+        for aligning in (False, True)
+    ]
+    assert runs[0].forwards
+    assert runs[1] == Run(turns=1)
+
+
 def test_a_target_off_the_headings_is_reached_without_running_to_and_fro() -> None:
     runs = drive(Obstacles(), Pose(0, 0, 0, 0), (1.2, 0.35))
     assert len(runs) <= 4

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pytest
 from plain_space import PlainSpace, context, seen
 
-from spacevln.core import Feedback, ObjectGoalTask, PlannerReply, Pose, Sighting, StageEnd, StageRecord
+from spacevln.core import Feedback, Frontier, ObjectGoalTask, PlannerReply, Pose, Sighting, StageEnd, StageRecord
 from spacevln.language import FREE_FLOOR_M2, LOWER_STOREY, ROOM_SHARES, chance_in_room
 from spacevln.language.object_rooms import OBJECT_ROOMS, OPENS_ON
 from spacevln.reasoning.rules import RulePlanner
 from spacevln.reasoning.rules.beliefs import Beliefs
-from spacevln.reasoning.rules.instances import Match, match
+from spacevln.reasoning.rules.instances import WITHIN_M, Match, instances, match, standing_place
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World
 
@@ -123,3 +126,32 @@ def test_a_refused_finish_leads_to_another_place_before_the_goal() -> None:
     assert not again.complete
     assert again.target_m is not None
     assert there.distance_m(*again.target_m[:2]) > 0.25
+
+
+def edge(x: float, y: float) -> Frontier:
+    return Frontier((x, y), math.hypot(x, y), math.atan2(y, x), 1.0)
+
+
+def test_what_furniture_hides_the_floor_of_is_approached_by_the_nearest_edge_of_the_known_floor() -> None:
+    hidden = seen("lamp", 6.0, 4.5, START)  # seen over a bed, say; no floor is known within two metres of it
+    boundary = context(ObjectGoalTask("lamp"), START, ROOMS, [*sightings(START), hidden], (edge(5.8, 1.9), edge(-1.9, -1.9)))
+    state = EpisodeState()
+    world = state.observe(boundary)
+    (lamp,) = instances(world, "lamp", Match.NAME)
+    first = standing_place(boundary, world, lamp, state)
+    assert first is not None
+    state.failures.append((0, first))
+    assert standing_place(boundary, world, lamp, state) == (5.8, 1.9)
+
+
+def test_a_place_farther_off_than_the_goals_reach_is_no_place_to_stand() -> None:
+    boundary = context(ObjectGoalTask("lamp"), START, ROOMS, [*sightings(START), seen("lamp", 1.0, -1.0, START)])
+    state = EpisodeState()
+    world = state.observe(boundary)
+    (lamp,) = instances(world, "lamp", Match.NAME)
+    state.visited += [
+        (0, (1.0 + 0.65 * math.cos(0.5 * k), -1.0 + 0.65 * math.sin(0.5 * k))) for k in range(13)
+    ]  # stood all around
+    place = standing_place(boundary, world, lamp, state)
+    assert place is not None
+    assert float(lamp.distance_m(np.array([place]))[0]) <= WITHIN_M

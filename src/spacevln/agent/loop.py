@@ -113,7 +113,7 @@ class NavigationAgent:
             if judge.stable(subtask, feedback, body.pose):  # 7: the goal is verified and nobody says so
                 return Ending(EpisodeStatus.STOPPED, StopReason.STABLE_FINAL_ARRIVAL)
             stage = Stage(subtask, body, world, self._executor, settings, self._emit, self._clock)  # 8
-            feedback = stage.run(panorama.heading_rad(subtask.direction))  # 9 to 15: F_k
+            feedback = stage.run(panorama)  # 9 to 15: F_k
             self._emit(StageEnded(body.stage, feedback, body.pose))
             body.stage += 1  # 16
         return judge.without_looking(feedback, body, self._emit)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from spacevln.agent.acting import ask_executor
 from spacevln.agent.body import Body, Phase
+from spacevln.agent.look_around import Panorama
 from spacevln.agent.settings import AgentSettings
 from spacevln.agent.world import World
 from spacevln.control import AdmissibleActionControl, StageArrival, decompose, is_stalled, turns_toward
@@ -57,13 +58,16 @@ class Stage:
         self._arrival = StageArrival(subtask, floor, region, settings.control)
         self._seen: tuple[Sighting, ...] = ()  # of the stage's landmark in the current image
 
-    def run(self, heading_rad: float) -> Feedback:
+    def run(self, panorama: Panorama) -> Feedback:
         """Rotate to the chosen direction, then decide and act until the stage ends.
 
         Args:
-            heading_rad: egocentric direction of delta_k.
+            panorama: the look-around from which delta_k was chosen. What it shows of ell_k is known from the start: what lies
+                on the floor leaves the image before one is there.
         """
-        self._align(heading_rad)
+        for view in panorama.views:
+            self._world.update_landmarks(view.sightings, self._body.pose)
+        self._align(panorama.heading_rad(self._subtask.direction))
         self._arrival.depart(self._world.pool())
         end = self._budget_end()
         while end is None:  # repeat ... until: an arrival is judged after an action, so that no stage stands still

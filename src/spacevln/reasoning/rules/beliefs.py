@@ -13,7 +13,6 @@ MOST_EVIDENCE = 7.0
 SECOND_OF_A_KIND = 0.2  # share of homes with two kitchens, etc.
 SURE = 2.5  # score from which a room's type counts as known
 LEAST_UNSEEN = 0.3  # a view through a door leaves corners
-BEHIND = 0.4  # worth of a chance that lies one room further
 LEAST_SHARE = 0.1  # of the usual share, of a type that a room does not usually open on
 ROOMS_ON_A_STOREY = 5
 
@@ -77,14 +76,14 @@ class Beliefs:
         return max(LEAST_UNSEEN, 1.0 - self._world.grids[self._world.floor].area_m2(room) / whole_m2)
 
     def leads_on(self, room: int, before: int = NOWHERE) -> float:
-        """Chance that a room which a room opens on holds the object, discounted since it is one room further."""
+        """Chance that a room which a room opens on holds the object."""
         here = self.types(room, before)
         missed = 1.0
         for region in ROOM_SHARES:
             taken = SECOND_OF_A_KIND if self._taken.get(region) else 1.0
             rooms = sum(p * OPENS_ON[name].get(region, 0.0) for name, p in here.items())
             missed *= (1.0 - min(self._chance[region], 0.95)) ** (rooms * taken)
-        return BEHIND * (1.0 - missed)
+        return 1.0 - missed
 
     def on_another_storey(self) -> float:
         """Chance that a storey that was never entered holds the object."""

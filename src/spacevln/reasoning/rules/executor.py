@@ -21,16 +21,17 @@ from spacevln.core import (
     describe,
 )
 from spacevln.reasoning.rules.grid import comfortable_guide
+from spacevln.reasoning.rules.heading import ARRIVED_M
 from spacevln.reasoning.rules.lattice import Gait, first_run, straight_guide
 
 Float = NDArray[np.float64]
 TURN_BACK_DEG = 120.0
 TURNS_BACK = 1  # more of them in a stage gain nothing
-ARRIVED_M = 0.3
 SHORT_M = 0.1  # of a forward
 BUMP_M = (0.15, 0.05)  # ahead of the body's centre, and to both sides
 BEFORE_LANDMARK_M = 0.12  # a landmark's arrival is not the target's: one goes as near as one gets
 OTHER_STOREY_M = 0.5
+STEP_UP_M = 0.2  # of a stair: on the last one the flight is not over
 
 
 class RuleExecutor:
@@ -85,7 +86,7 @@ class RuleExecutor:
     def _follow(self, context: ExecutorContext, target: Float, near_m: float) -> tuple[Action, TurnPurpose | None]:
         """The first decision of the cheapest way to the target; to another storey that is straight over the flight."""
         pose, subtask, allowed = context.observation.pose, context.subtask, context.admissible
-        flight = subtask.target_m is not None and abs(subtask.target_m[2] - pose.z_m) > OTHER_STOREY_M
+        flight = subtask.target_m is not None and abs(subtask.target_m[2] - pose.z_m) > STEP_UP_M
         space = None if flight else context.space
         if space is None:
             guide = straight_guide(pose.xy_m, target)

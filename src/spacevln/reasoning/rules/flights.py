@@ -27,6 +27,7 @@ RUN_PER_RISE = 1.5  # of usual stairs
 LAST_STEPS_M = 0.6
 ON_STEPS_M = 0.25  # this much over or under the floor one stands on steps
 ARRIVED_M = 0.6
+STILL_M = 0.1
 MOST_STAGES = 6  # planning boundaries on the steps
 CLEAR_OF_FLOOR_M = 0.1
 FACING = 0.85  # cosine of the angle between a surface's normal and that of a tread or a riser
@@ -135,7 +136,10 @@ class Crossing:
                 pose.x_m + rest * (pose.x_m - self.last.x_m) / gone,
                 pose.y_m + rest * (pose.y_m - self.last.y_m) / gone,
             )
+        stands = self.stages > 1 and gone < STILL_M and rose < STILL_M
         self.last = pose
+        if stands:
+            return False  # it does not lead on here, whatever it looks like
         if climbed > STOREY_M - LAST_STEPS_M and rose < ON_STEPS_M / 2:
             return False  # at its end, where something stands in the way that was thought to go on
         if climbed > STOREY_M - ON_STEPS_M:

@@ -7,11 +7,12 @@ import math
 import numpy as np
 
 from spacevln.core import PlannerContext, View, wrap_angle
-from spacevln.reasoning.rules.grid import FloorGrid
+from spacevln.reasoning.rules.grid import FloorGrid, comfortable_guide
+from spacevln.reasoning.rules.lattice import Gait, first_run
 from spacevln.reasoning.rules.sightings import XY
 
 TRAVERSABLE_M = 0.5
-LOOK_AHEAD_M = 0.9
+ARRIVED_M = 0.3
 RING_M = (0.15, 0.3, 0.45, 0.6)
 BLIND_M = 0.8  # where no way is known, a stage goes this far along the loose one
 
@@ -38,17 +39,15 @@ def reachable_goal(context: PlannerContext, grid: FloorGrid, goal: XY) -> tuple[
     return (float(np.interp(at, arc, loose[:, 0])), float(np.interp(at, arc, loose[:, 1]))), False
 
 
-def bearing_of_way(context: PlannerContext, grid: FloorGrid, goal: XY) -> float:
-    """Egocentric direction of the first metre of the comfortable way to a goal."""
-    pose = context.pose
-    path = grid.loose_walk((pose.x_m, pose.y_m), goal)
-    if path is None:
+def bearing_of_way(context: PlannerContext, goal: XY) -> float:
+    """Egocentric direction in which the executor would begin the way to a goal; straight to it where nothing leads nearer."""
+    pose, gait = context.pose, Gait(headings=len(context.views))
+    guide = comfortable_guide(context.space, pose, goal)
+    nothing, free_m = np.empty((0, 2)), gait.run * gait.step_m
+    run = first_run(gait, context.space, nothing, pose, guide, np.array(goal), ARRIVED_M, free_m, (True, True), aligning=True)
+    if not (run.turns or run.forwards):
         return pose.bearing_rad(*goal)
-    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
-    at = min(LOOK_AHEAD_M, float(arc[-1]))
-    if at < 0.05:
-        return pose.bearing_rad(*goal)
-    return pose.bearing_rad(float(np.interp(at, arc, path[:, 0])), float(np.interp(at, arc, path[:, 1])))
+    return wrap_angle(run.turns * 2 * math.pi / gait.headings)
 
 
 def choose_view(context: PlannerContext, bearing_rad: float) -> View:

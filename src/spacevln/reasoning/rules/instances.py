@@ -20,6 +20,8 @@ STAND_OFF_M = 0.65  # from a goal's nearest surface
 AT_GOAL_M = 0.75
 FAR_M = 1.3  # from a thing's surface: more than a table between
 DETOUR_M = 0.6  # beyond the straight line: something as long as a wall lies between
+WITHIN_M = 0.95  # of a goal's nearest surface; farther off is not at it
+ROUND = 1.5  # times the straight line, that an unknown way measures
 STOOD_M = 0.35  # around a place from which the goal was not confirmed
 KIND_STEPS = 70  # another kind of the goal's genus does when no more steps are left
 
@@ -120,7 +122,7 @@ def standing_place(context: PlannerContext, world: World, thing: Thing, state: E
     near = np.hypot(*(centres - np.array(thing.xy)).T) < 1.8 + thing.extent_m
     cells, centres = cells[near], centres[near]
     if not len(centres):
-        return before
+        return _towards(world, thing, state) or before
     distance = thing.distance_m(centres)
     clear = grid.clearance_m[cells[:, 0], cells[:, 1]]
     room = world.room_of_thing[thing.id][1]
@@ -128,7 +130,7 @@ def standing_place(context: PlannerContext, world: World, thing: Thing, state: E
     eye, side = np.array(thing.seen_from) - np.array(thing.xy), centres - np.array(thing.xy)
     cosine = (side @ eye) / np.maximum(np.hypot(*side.T) * math.hypot(*eye), 1e-6)
     cost = np.abs(distance - STAND_OFF_M) + 0.05 * np.hypot(*(centres - context.pose.xy_m).T)
-    cost += np.where(clear < 0.2, 0.6, 0.0) + 0.8 * elsewhere + 0.1 * (1.0 - cosine)
+    cost += np.where(distance > WITHIN_M, 2.0, 0.0) + np.where(clear < 0.2, 0.6, 0.0) + 0.8 * elsewhere + 0.1 * (1.0 - cosine)
     for floor, xy in (*world.visited, *state.failures):
         if floor == world.floor:
             cost += 0.5 * (np.hypot(*(centres - np.array(xy)).T) < STOOD_M)
@@ -137,4 +139,16 @@ def standing_place(context: PlannerContext, world: World, thing: Thing, state: E
         reachable = distance[index] < 1.6 and math.isfinite(context.space.geodesic_m(context.pose.xy_m, centres[index]))
         if reachable and _on_its_side(context, thing, xy):
             return xy
-    return thing.front
+    return _towards(world, thing, state) or thing.front
+
+
+def _towards(world: World, thing: Thing, state: EpisodeState) -> XY | None:
+    """The edge of the known floor from which the way on to a thing, that furniture or a wall hides, is shortest."""
+    edges = [
+        (frontier.geodesic_m + ROUND * math.dist(frontier.position_m, thing.xy), frontier.position_m)
+        for frontier in world.frontiers
+        if math.isfinite(frontier.geodesic_m)
+        and not state.failed(world.floor, frontier.position_m)
+        and not state.spent(world.floor, frontier.position_m)
+    ]
+    return min(edges)[1] if edges else None

@@ -94,6 +94,8 @@ def first_run(
     arrived_m: float,
     forward_m: float,
     turns: tuple[bool, bool],
+    *,
+    aligning: bool = False,
 ) -> Run:
     """The first decision of the cheapest sequence of primitives.
 
@@ -107,6 +109,7 @@ def first_run(
         arrived_m: near enough.
         forward_m: longest forward that is admissible now, 0 for none.
         turns: whether a turn to the left and one to the right is.
+        aligning: the first turn is the stage's alignment, which is no decision.
     """
     axis = np.arange(-WINDOW_M, WINDOW_M, CELL_M) + CELL_M / 2
     xx, yy = np.meshgrid(pose.x_m + axis, pose.y_m + axis, indexing="ij")
@@ -136,6 +139,7 @@ def first_run(
             gait.step_m,
             gait.headings,
             gait.run,
+            TURN if aligning else NONE,
         )
         if turned or went:
             return Run(turned, went)
@@ -219,6 +223,7 @@ def _search(
     step_m: float,
     headings: int,
     longest: int,
+    begun: int,
 ) -> tuple[int, int]:  # pragma: no cover - compiled
     """(turns, forwards) of the first run. Positions are relative to the body [m]; costs are steps.
 
@@ -227,7 +232,7 @@ def _search(
     """
     best = np.full(_key(2 * WINDOW_M, 2 * WINDOW_M, headings, 0, headings), np.inf)
     begin_m = _between(left_m, start_i, start_j)
-    nodes = [(0.0, 0.0, 0.0, 0, NONE, 0, 0, 0, True)]
+    nodes = [(0.0, 0.0, 0.0, 0, begun, 0, 0, 0, True)]
     queue = [(begin_m / step_m, 0)]
     gained, nearest = 0.0, 0
     while len(queue) > 0:

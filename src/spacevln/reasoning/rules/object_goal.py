@@ -13,7 +13,7 @@ from spacevln.reasoning.rules.beliefs import Beliefs
 from spacevln.reasoning.rules.flights import STAIRS_SIGHT
 from spacevln.reasoning.rules.grid import NOWHERE, resampled
 from spacevln.reasoning.rules.heading import way_length_m
-from spacevln.reasoning.rules.instances import KIND_STEPS, Match, instances, standing_place
+from spacevln.reasoning.rules.instances import KIND_STEPS, WITHIN_M, Match, instances, standing_place
 from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World
@@ -22,6 +22,8 @@ STEPS_PER_M = 4.6  # forwards of 0.25 m, and turns on the way
 STUCK = 2  # failed stages to the only place left
 PIECE_M = 1.8
 STAGE_STEPS = 16.0  # a look-around and the turns to the next direction
+STAGE_M = 4.0  # of way
+FURTHER_STEPS = 36.0  # to the next room, when its door is not known yet, look-around included
 STAIRS_STEPS = 30.0
 STAIRS = 0.5  # share of homes with stairs whose goal is on another storey than the start
 ON_THE_WAY = 1.5  # a place that the last stage headed for: turning back for a little more costs twice
@@ -33,6 +35,7 @@ WALL_STEP_M = 0.05
 LOOKED_M = 0.9  # a place this near to a look-around hides nothing more
 OVERLOOKED_M = 1.5  # nor does a place beyond a portal in clear sight of one
 EDGE = 0.5  # a frontier shows a part of a room
+EDGE_UNVISITED = 0.5  # and more of one that was only looked into
 EDGE_UNSEEN = 0.4  # and there is more of a room behind it than its known floor tells
 TIGHT = 0.1  # hope that cannot be reached with the steps left
 GIVEN_UP = 3  # stages to one thing in vain: others first, until few steps are left
@@ -40,7 +43,8 @@ LAST_TRY_STEPS = 60
 VAIN_M = 4.0  # of way, that a stage in vain is worth
 
 
-Option = tuple[float, float, "Quest"]  # chance of finding the goal there, steps beside the way, where
+# chance of finding the goal there, chance of finding it one room further, steps beside the way, where
+Option = tuple[float, float, float, "Quest"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +86,8 @@ def _seen_instance(context: PlannerContext, world: World, goal: str, state: Epis
         if xy is None:
             continue
         vain = state.vain.get(thing.id, 0)
-        if vain >= GIVEN_UP and context.steps_left > LAST_TRY_STEPS:
+        near = float(thing.distance_m(context.pose.xy_m[None])[0]) <= WITHIN_M
+        if vain >= GIVEN_UP and context.steps_left > LAST_TRY_STEPS and not near:
             continue
         cost = way_length_m(context, xy) + VAIN_M * vain
         if best is None or cost < best[0]:
@@ -99,19 +104,24 @@ def _best_unseen(context: PlannerContext, world: World, goal: str, state: Episod
         *_edges(context, world, beliefs),
         *_storeys(world, beliefs, state),
     )
-    for chance, steps, quest in options:
-        needed = STAGE_STEPS + steps + STEPS_PER_M * way_length_m(context, quest.xy)
-        hope = chance * FAILED ** (state.failed(quest.floor, quest.xy) + state.spent(quest.floor, quest.xy))
-        if needed > context.steps_left:
-            hope *= TIGHT
+    for here, further, steps, quest in options:
+        way_m = way_length_m(context, quest.xy)
+        needed = STAGE_STEPS * max(1.0, way_m / STAGE_M) + steps + STEPS_PER_M * way_m
+        worth = max(_worth(here, needed, context.steps_left), _worth(here + further, needed + FURTHER_STEPS, context.steps_left))
+        worth *= FAILED ** (state.failed(quest.floor, quest.xy) + state.spent(quest.floor, quest.xy))
         if state.on_the_way_to(quest.floor, quest.xy):
-            hope *= ON_THE_WAY
-        rank = (round(hope / needed, 9), quest.xy, quest)
+            worth *= ON_THE_WAY
+        rank = (round(worth, 9), quest.xy, quest)
         if best is None or rank[:2] > best[:2]:
             best = rank
     if best is None or (state.failed(world.floor, best[1]) >= STUCK and context.stage % 2):
         return None  # elsewhere first: the same place would fail in the same way
     return _stage_of(context, best[2], state)
+
+
+def _worth(chance: float, needed: float, steps_left: int) -> float:
+    """Chance for a step; of what cannot be reached with the steps left, little."""
+    return chance / needed * (TIGHT if needed > steps_left else 1.0)
 
 
 def _stage_of(context: PlannerContext, quest: Quest, state: EpisodeState) -> Quest:
@@ -162,14 +172,13 @@ def _beyond_portals(context: PlannerContext, world: World, beliefs: Beliefs) -> 
             xy = _inside(world, portal, 1 - side)
             if _looked(context, world, xy) or _overlooked(context, world, xy):
                 continue
-            hope = beliefs.unseen(far) * beliefs.holds(far, near) + beliefs.leads_on(far, near)
-            if portal.quality < PRECISE_QUALITY:
-                hope *= GUESSED
+            share = GUESSED if portal.quality < PRECISE_QUALITY else 1.0
             if around:
-                hope *= AROUND
+                share *= AROUND
             region = world.region(world.floor, far) if far else ""
             words = f"the {portal.category} leads to {region or 'an unseen place'}"
-            yield hope, 0.0, Quest(xy, world.floor, False, region or f"{portal.category} beyond", words)
+            quest = Quest(xy, world.floor, False, region or f"{portal.category} beyond", words)
+            yield share * beliefs.unseen(far) * beliefs.holds(far, near), share * beliefs.leads_on(far, near), 0.0, quest
 
 
 def _inside(world: World, portal: Portal, side: int) -> XY:
@@ -186,12 +195,13 @@ def _edges(context: PlannerContext, world: World, beliefs: Beliefs) -> Iterator[
         if not math.isfinite(frontier.geodesic_m) or _looked(context, world, frontier.position_m):
             continue
         room = world.room_at(world.floor, frontier.position_m, 0.6)
-        share = EDGE * min(frontier.width_m, 2.0) / 2.0
-        hope = share * max(beliefs.unseen(room), EDGE_UNSEEN) * beliefs.holds(room)
-        hope += share * beliefs.leads_on(room)
+        looked_into = room and (world.floor, room) not in world.visited_rooms
+        share = EDGE_UNVISITED if looked_into else EDGE * min(frontier.width_m, 2.0) / 2.0
+        here = share * max(beliefs.unseen(room), EDGE_UNSEEN) * beliefs.holds(room)
         region = world.region(world.floor, room) if room else ""
         words = f"part of the {region or 'place'} is not seen yet"
-        yield hope, 0.0, Quest(frontier.position_m, world.floor, False, "edge of the known floor", words)
+        quest = Quest(frontier.position_m, world.floor, False, "edge of the known floor", words)
+        yield here, share * beliefs.leads_on(room), 0.0, quest
 
 
 def _storeys(world: World, beliefs: Beliefs, state: EpisodeState) -> Iterator[Option]:
@@ -204,4 +214,4 @@ def _storeys(world: World, beliefs: Beliefs, state: EpisodeState) -> Iterator[Op
         xy = flight.entry if flight else world.sight_of(stairs, room)
         if xy is not None:
             hope = STAIRS * beliefs.on_another_storey() * (1.0 if flight else SIGHT ** state.verified.count(STAIRS_SIGHT))
-            yield hope, STAIRS_STEPS, Quest(xy, world.floor, False, "stairs", "the stairs lead to another floor", True)
+            yield hope, 0.0, STAIRS_STEPS, Quest(xy, world.floor, False, "stairs", "the stairs lead to another floor", True)

@@ -280,7 +280,7 @@ class RulePlanner:
         target, known = (goal.xy, True) if goal.flight_to_m else reachable_goal(context, world.grids[world.floor], goal.xy)
         fallbacks = goal.fallbacks if known else (*goal.fallbacks, "loose_way")
         straight = context.pose.bearing_rad(*target)
-        bearing = straight if goal.flight_to_m else bearing_of_way(context, world.grids[world.floor], target)
+        bearing = straight if goal.flight_to_m else bearing_of_way(context, target)
         view = choose_view(context, bearing)
         state.target = (goal.floor, goal.xy)
         state.target_is_goal = math.dist(target, goal.xy) < ARRIVED_M
