@@ -110,6 +110,7 @@ def test_stored_suites_are_whole(suite: str, split: str, tmp_path: Path) -> None
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)
 @pytest.mark.parametrize(("suite", "split"), STORED)
 def test_stored_suites_are_made_again_to_the_letter(suite: str, split: str, tmp_path: Path) -> None:
     assert digests(write_suite(suite, split, tmp_path)) == digests(stored_suite(suite, split))

@@ -101,7 +101,8 @@ class Progress:
         self._task = self._bar.add_task("starting", total=total)
 
     def __enter__(self) -> None:
-        self._bar.start()
+        if self._bar.console.is_terminal:
+            self._bar.start()
 
     def __exit__(self, *_: object) -> None:
         self._bar.stop()
