@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import inspect
 import signal
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from flat_runs import CHAIN, SOFA, Breaking, ahead, by_feedback, run
+from flat_runs import BED, CHAIN, SOFA, Breaking, ahead, by_feedback, run
 
 from spacevln.agent import AgentSettings, Components, NavigationAgent, loop
 from spacevln.agent.finish import FinishJudge
@@ -16,6 +18,7 @@ from spacevln.agent.world import World
 from spacevln.core import (
     Anchor,
     CueKind,
+    Detection,
     EnvironmentFailure,
     EpisodeEnded,
     EpisodeSpec,
@@ -23,6 +26,7 @@ from spacevln.core import (
     Event,
     Feedback,
     InstructionTask,
+    LandmarkCandidate,
     MapSaved,
     MoveForward,
     Observation,
@@ -103,26 +107,71 @@ def test_a_run_that_has_spent_what_it_may_stops_the_body(who: str) -> None:
     assert done.sink.names()[-2:] == ["MapSaved", "EpisodeEnded"]
 
 
-@pytest.mark.parametrize(("climbed_m", "accepted"), [(2.8, True), (0.0, False)])
-@pytest.mark.parametrize("end", [StageEnd.STAGE_BUDGET, StageEnd.STOP])
-def test_a_goal_over_stairs_is_reached_by_the_change_of_floor(end: StageEnd, climbed_m: float, accepted: bool) -> None:
+FLIGHT = Anchor("stairs up", SpaceKind.FLOOR_TRANSITION, "stairs", CueKind.STAIRS)
+LOW, HALF_WAY, HIGH = (0.0,) * 5, (0.3, 0.6, 0.9, 1.2), (2.8,) * 5
+"""Heights of the images of a stage; a floor is believed after a few steady steps."""
+
+
+@pytest.mark.parametrize(
+    ("stages", "accepted"),
+    [
+        ([(0, HIGH)], True),
+        ([(0, LOW)], False),
+        ([(0, HALF_WAY)], False),
+        ([(0, HALF_WAY), (0, HIGH)], True),
+        ([(-1, HIGH), (0, HIGH)], True),  # the sofa below was verified late, from the top
+        ([(0, HIGH), (0, HIGH)], True),  # half a metre more, on the new floor already
+    ],
+)
+def test_a_goal_over_stairs_is_reached_by_the_change_of_floor(stages: list[tuple[int, Sequence[float]]], accepted: bool) -> None:
     world, camera = World(BlindDetector(), Components()), Flatland().spec.camera
-    shape = (camera.height_px, camera.width_px)
-    chain = (SOFA, Anchor("stairs up", SpaceKind.FLOOR_TRANSITION, "stairs", CueKind.STAIRS))
+    shape, chain = (camera.height_px, camera.width_px), (SOFA, FLIGHT)
 
     def see(x_m: float, z_m: float) -> Observation:
         observation = Observation(np.zeros((*shape, 3), np.uint8), np.zeros(shape, np.float32), Pose(x_m, 0.0, z_m), camera)
         world.integrate(observation)
         return observation
 
-    see(0.0, 0.0)
-    world.begin_stage(subtask_of(chain, 0), Pose(0.0, 0.0))
-    for step in range(5):  # a floor is believed after a few steady steps
-        seen = see(0.25 * step, climbed_m)
-    feedback = Feedback(subtask_of(chain, 0), StageRecord(Pose(0.0, 0.0)), (), end)
+    seen = see(0.0, 0.0)
+    for current, heights in stages:
+        world.begin_stage(subtask_of(chain, current), seen.pose)
+        for step, height in enumerate(heights):
+            seen = see(0.25 * step, height)
+    beside = LandmarkCandidate(0, "stairs", (0.0, 0.0, 0.0), 0.1, 0.0, 0.95, True, True, CueKind.STAIRS)
+    feedback = Feedback(subtask_of(chain, 0), StageRecord(Pose(0.0, 0.0)), (beside,), StageEnd.STAGE_BUDGET)
     verdict = FinishJudge(world, AgentSettings()).claimed(subtask_of(chain, 1), feedback, Panorama((seen,), ()))
     assert verdict.accepted == accepted
-    assert ("landmark_arrival", accepted) in verdict.clauses
+    assert ("change_of_floor", accepted) in verdict.clauses
+
+
+def test_each_flight_of_a_route_is_taken_for_itself() -> None:
+    world, camera = World(BlindDetector(), Components()), Flatland().spec.camera
+    shape, chain = (camera.height_px, camera.width_px), (FLIGHT, SOFA, replace(FLIGHT, space="stairs down"))
+    told = []
+    for current, height in [(-1, 0.0), (-1, 2.8), (0, 2.8), (1, 2.8), (1, 0.0)]:
+        world.begin_stage(subtask_of(chain, current), Pose(0.0, 0.0, height))
+        for step in range(5):
+            pose = Pose(0.25 * step, 0.0, height)
+            world.integrate(Observation(np.zeros((*shape, 3), np.uint8), np.zeros(shape, np.float32), pose, camera))
+        told.append(world.changed_floor)
+    assert told == [False, True, False, False, True]
+
+
+def test_a_detector_is_asked_for_the_landmark_with_its_attributes() -> None:
+    asked = []
+
+    class Listening(BlindDetector):
+        def detect(self, observations: Sequence[Observation], queries: Sequence[str]) -> list[tuple[Detection, ...]]:
+            asked.append(tuple(queries))
+            return super().detect(observations, queries)
+
+    world, camera = World(Listening(), Components()), Flatland().spec.camera
+    shape = (camera.height_px, camera.width_px)
+    observation = Observation(np.zeros((*shape, 3), np.uint8), np.zeros(shape, np.float32), Pose(0.0, 0.0), camera)
+    white = replace(SOFA, cue="white couch")
+    world.perceive([observation], world.begin_stage(replace(subtask_of((white, BED), -1), landmark=white.cue), Pose(0.0, 0.0)))
+    world.evidence(white, [observation])
+    assert [terms[:2] for terms in asked] == [("white couch", "sofa")] * 2
 
 
 def test_a_stop_that_fails_is_no_stop() -> None:

@@ -135,7 +135,13 @@ def test_budget_holds_the_last_step_for_stop() -> None:
 
 
 CLAIM = FinishClaim(
-    chain=(START, SOFA), located_index=1, verified_before=0, place="living room", pool=(candidate(),), arrived=False
+    chain=(START, SOFA),
+    located_index=1,
+    verified_before=0,
+    place="living room",
+    pool=(candidate(),),
+    arrived=False,
+    changed_floor=False,
 )
 
 
@@ -154,6 +160,14 @@ def test_full_evidence_opens_the_gate() -> None:
         "final_space_localised",
         "landmark_arrival",
     ]
+
+
+def test_a_flight_as_the_goal_is_taken_only_by_the_change_of_floor() -> None:
+    flight = Anchor("stairs up", SpaceKind.FLOOR_TRANSITION, "stairs", CueKind.STAIRS)
+    beside = replace(CLAIM, chain=(START, flight), place="hallway", pool=(candidate(),), arrived=True)
+    for gate in (EpisodeGate(), EpisodeGate(hsm=False, landmark_memory=False, stagewise=False)):
+        assert failed(gate, beside) == ["change_of_floor"]
+        assert failed(gate, replace(beside, changed_floor=True, pool=(), arrived=False)) == []
 
 
 def test_each_clause_closes_the_gate_and_binds_only_with_its_component() -> None:

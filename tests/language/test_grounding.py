@@ -8,6 +8,7 @@ from spacevln.core import Anchor, CueKind, SpaceKind
 from spacevln.language import (
     attributes_of,
     cue_kind,
+    grounding_terms,
     head_noun,
     infer_region,
     known_categories,
@@ -52,6 +53,24 @@ def test_a_general_chair_may_be_an_armchair_but_not_the_other_way_round() -> Non
 def test_attributes_come_before_the_head_in_one_spelling() -> None:
     assert attributes_of("the large gray leather sofa") == ("large", "grey", "leather")
     assert attributes_of("sofa") == ()
+
+
+@pytest.mark.parametrize(
+    ("phrase", "name"),
+    [
+        ("the white couch by the window", "white couch"),
+        ("the big gray leather sofa", "big gray leather sofa"),
+        ("second brown doorway on the right", "brown doorway"),
+        ("red zorgle", "red zorgle"),
+    ],
+)
+def test_a_detector_is_asked_the_attributes_as_written_and_then_the_bare_names(phrase: str, name: str) -> None:
+    assert grounding_terms(phrase) == (name, *norm(phrase))
+
+
+@given(st.sampled_from(known_categories()))
+def test_without_attributes_it_is_asked_the_bare_names(category: str) -> None:
+    assert grounding_terms(f"the {category}") == norm(category)
 
 
 def test_every_canonical_category_is_its_own_head() -> None:

@@ -166,10 +166,11 @@ def test_an_empty_memory_can_be_told_too() -> None:
     assert told.region == ""
 
 
-def test_frontiers_are_told_nearest_first_and_narrow_ones_not() -> None:
+def test_frontiers_are_told_nearest_first_and_narrow_ones_and_blind_spots_not() -> None:
     class Bordered(DrawnMap):
         def frontiers(self, pose: Pose) -> tuple[Frontier, ...]:  # noqa: ARG002
             return (
+                Frontier((3, 3), 0.1, -0.5, 1.0),
                 Frontier((1, 1), 1.0, 0.5, 0.2),
                 Frontier((2, 2), 2.04, 0.5, 1.0),
                 Frontier((3, 2), math.inf, 0.5, 1.0),

@@ -6,6 +6,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from spacevln.core import UsageError
+from spacevln.language import grounding_terms
+from spacevln.perception import Agreement, fit
 from spacevln.perception.open_vocabulary.boxes import BoxRules, ScoredBoxes, select
 from spacevln.perception.open_vocabulary.queries import captions_of, prefer_specific, queries_of, score_phrases
 
@@ -65,6 +67,14 @@ def test_a_box_is_given_phrases_never_fragments_or_mixtures() -> None:
     assert named({"white": 0.4, "sofa": 0.9}, phrases) == {"white sofa": 0.9}
     assert named({"white": 0.4, "doorway": 0.6}, phrases) == {"doorway": 0.6}
     assert named({"white": 0.4, "sofa": 0.9}, phrases, text_threshold=0.5) == {}
+
+
+def test_a_landmark_tells_the_one_with_its_attributes_from_others() -> None:
+    terms = list(grounding_terms("the white couch by the window"))
+    (white,), (black,) = named({"white": 0.4, "couch": 0.9}, terms), named({"white": 0.1, "couch": 0.9}, terms)
+    assert (white, black) == ("white couch", "couch")
+    assert fit("the white couch by the window", white) is Agreement.AGREED
+    assert fit("the white couch by the window", black) is Agreement.UNKNOWN
 
 
 def test_the_most_specific_name_stands() -> None:

@@ -19,7 +19,6 @@ from spacevln.core import (
     GateAsked,
     LandmarkPool,
     Pose,
-    SpaceKind,
     StageEnd,
     StopReason,
     Subtask,
@@ -46,7 +45,8 @@ class FinishJudge:
                 verified_before=feedback.subtask.current_index if feedback else -1,
                 place=subtask.current_anchor.space or self._world.locate(pose)[1],
                 pool=(*_final_pool(final, feedback), *self._world.evidence(final, panorama.observations)),
-                arrived=self._arrived(final, feedback),
+                arrived=_arrived(final, feedback),
+                changed_floor=self._world.changed_floor,
             )
         )
 
@@ -69,7 +69,8 @@ class FinishJudge:
                 verified_before=subtask.current_index,
                 place=region if same_space(region, subtask.final_anchor.space) else "",
                 pool=feedback.pool,
-                arrived=self._arrived(subtask.final_anchor, feedback),
+                arrived=_arrived(subtask.final_anchor, feedback),
+                changed_floor=self._world.changed_floor,
             )
         )
         emit(GateAsked(body.stage, verdict.accepted, verdict.clauses))
@@ -87,12 +88,9 @@ class FinishJudge:
         )
         return self._stable.observe(subtask, pose, inside=inside)
 
-    def _arrived(self, final: Anchor, feedback: Feedback | None) -> bool:
-        """Whether the last stage brought the agent to the goal; over stairs, the change of floor tells."""
-        if feedback is None or not _headed_for(final, feedback):
-            return False
-        crossed = final.space_kind is SpaceKind.FLOOR_TRANSITION and self._world.changed_floor
-        return crossed or feedback.end is StageEnd.ARRIVAL
+
+def _arrived(final: Anchor, feedback: Feedback | None) -> bool:
+    return feedback is not None and _headed_for(final, feedback) and feedback.end is StageEnd.ARRIVAL
 
 
 def _headed_for(final: Anchor, feedback: Feedback | None) -> bool:

@@ -22,7 +22,7 @@ from spacevln.core import (
     SpatialWaypoint,
     Subtask,
 )
-from spacevln.language import norm
+from spacevln.language import grounding_terms
 from spacevln.mapping import MetricMap
 from spacevln.memory import BuildingMemory, HierarchicalSpatialMemory, LocalLandmarkMemory, SpatialCognitiveMemory
 from spacevln.perception import lift
@@ -44,8 +44,9 @@ class World:
         building.start_episode()
         self.map = building.metric_map
         self.memory = SpatialCognitiveMemory(building.hierarchical)  # M_0 = {W_0, L_0}, W_0 = {G_0, P_0}
-        self.stage_terms: tuple[str, ...] = ()  # Norm(ell_k) of the last stage
-        self._stage_floor = self.map.floor  # where that stage began
+        self.stage_terms: tuple[str, ...] = ()  # of the last stage: its landmark as written, and Norm(ell_k)
+        self._taken_flights = -1  # of the chain, verified; none is known before the first stage
+        self._departure_floor = self.map.floor  # where the flight that is ahead begins
 
     @property
     def space(self) -> SpatialMap:
@@ -89,19 +90,25 @@ class World:
 
     @property
     def changed_floor(self) -> bool:
-        """Whether the last stage led to another floor; believed after a few steady steps, often only in the next look-around."""
-        return self.map.floor != self._stage_floor
+        """Whether another floor was reached since the last flight of the chain that is verified, or since the start.
+
+        Believed after a few steady steps, often only in the look-around at the top. However many stages a flight takes, and
+        whenever the anchors before it are verified, it begins where the flight before it ended.
+        """
+        return self.map.floor != self._departure_floor
 
     def begin_stage(self, subtask: Subtask, pose: Pose) -> tuple[str, ...]:
-        """L^(k)_0 and B^(k)_0 are empty; the terms that the detector grounds in this stage, Norm(ell_k)."""
+        """L^(k)_0 and B^(k)_0 are empty; the terms that the detector grounds in this stage."""
         anchor = subtask.next_anchor
         kind = anchor.cue_kind if anchor is not None and anchor.cue and anchor.cue == subtask.landmark else None
         traverse = anchor is not None and anchor.space_kind is SpaceKind.FLOOR_TRANSITION
         landmark = subtask.landmark if self._components.landmark_memory else ""
-        self._stage_floor = self.map.floor
+        taken = sum(each.space_kind is SpaceKind.FLOOR_TRANSITION for each in subtask.chain[: subtask.current_index + 1])
+        if taken != self._taken_flights:
+            self._taken_flights, self._departure_floor = taken, self.map.floor
         self.map.start_stage()
         self.memory.begin_stage(landmark, pose, kind=kind, traverse=traverse)
-        self.stage_terms = norm(landmark)
+        self.stage_terms = grounding_terms(landmark)
         return self.stage_terms
 
     def update_landmarks(self, sightings: Sequence[Sighting], pose: Pose) -> None:
@@ -119,7 +126,7 @@ class World:
         pose = observations[0].pose
         landmarks = LocalLandmarkMemory(anchor.cue, pose, kind=anchor.cue_kind)
         in_view: list[LandmarkCandidate] = []
-        for sightings in self.perceive(observations, norm(anchor.cue)):
+        for sightings in self.perceive(observations, grounding_terms(anchor.cue)):
             landmarks.update(sightings, pose, self.map)
             in_view += [candidate for candidate in landmarks.candidates if candidate.visible and candidate.arrived]
         return (*in_view, *landmarks.pool())  # what one image shows in reach is no farther when the next looks away

@@ -8,6 +8,8 @@ from pathlib import Path
 import click
 
 SHOWN_CHARS = 600
+BEFORE_CHARS = 150
+"""Of a line before the place where the two part."""
 
 
 @click.command()
@@ -29,10 +31,17 @@ def replay(record: Path, episode_id: str | None, loose: bool, out: Path | None) 
     click.echo(f"calls    {report.calls} answered from the record")
     click.echo(f"actions  {report.actions} of {report.recorded_actions} are the same")
     if report.difference is not None:
-        recorded, replayed = (text if len(text) <= SHOWN_CHARS else text[:SHOWN_CHARS] + " ..." for text in report.difference)
+        parts = next((i for i, (a, b) in enumerate(zip(*report.difference, strict=False)) if a != b), 0)
+        begin = max(0, parts - BEFORE_CHARS)
+        recorded, replayed = (_excerpt(line, begin) for line in report.difference)
         click.echo(f"first difference\n  recorded {recorded}\n  replayed {replayed}")
     else:
         click.echo("record   every line is the same, times aside")
     if out is not None:
         click.echo(f"record   {out}")
     return 0 if report.same_actions else 1
+
+
+def _excerpt(line: str, begin: int) -> str:
+    shown = line[begin : begin + SHOWN_CHARS]
+    return f"{'... ' if begin else ''}{shown}{' ...' if len(line) > begin + SHOWN_CHARS else ''}"

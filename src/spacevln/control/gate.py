@@ -19,6 +19,7 @@ class FinishClaim:
         place: space of the present place, ``""`` when unknown.
         pool: landmark pool of the final anchor's cue, as seen now.
         arrived: the last stage headed for the final anchor and ended by arrival.
+        changed_floor: another floor was reached since the last flight of the chain that is verified, or since the start.
     """
 
     chain: tuple[Anchor, ...]
@@ -27,6 +28,7 @@ class FinishClaim:
     place: str
     pool: LandmarkPool
     arrived: bool
+    changed_floor: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +62,10 @@ class EpisodeGate:
       boundaries. The present boundary may verify the target of the last stage, and the goal beside it.
     - ``final_space_localised`` (Hierarchical Spatial Memory), where the final anchor names a space: the present place does
       not contradict it; where that anchor has no cue, it must agree, or the last stage must have arrived there.
-    - ``landmark_arrival`` (Local Landmark Memory): a candidate of the final anchor's cue is within its arrival radius, or
-      the last stage arrived at it.
+    - ``change_of_floor``, where the final anchor is a flight to be taken: the floor has changed. Whoever stands beside stairs, or
+      half-way up, has not taken them.
+    - ``landmark_arrival`` (Local Landmark Memory), of any other final anchor with a cue: a candidate of it is within its
+      arrival radius, or the last stage arrived at it.
 
     Args:
         hsm, landmark_memory, stagewise: which components are switched on.
@@ -78,7 +82,9 @@ class EpisodeGate:
         clauses = [("final_anchor_claimed", claim.located_index == last)]
         if self.stagewise:
             clauses.append(("earlier_anchors_verified", claim.verified_before >= last - 2))
-        if self.hsm and final.space and final.space_kind is not SpaceKind.FLOOR_TRANSITION:
+        if final.space_kind is SpaceKind.FLOOR_TRANSITION:
+            return GateVerdict((*clauses, ("change_of_floor", claim.changed_floor)))
+        if self.hsm and final.space:
             clauses.append(("final_space_localised", self._localised(final, claim)))
         if self.landmark_memory and final.cue:
             arrived = claim.arrived or any(candidate.arrived for candidate in claim.pool)

@@ -88,7 +88,8 @@ class Detector(Protocol):
 
         Args:
             observations: a batch, e.g. the 12 views.
-            queries: normalised landmark terms (``language.norm``), e.g. ``("sofa", "couch")``; none = nothing is sought.
+            queries: landmark terms (``language.grounding_terms``), e.g. ``("white sofa", "sofa", "couch")``; none = nothing is
+                sought.
         """
 
 

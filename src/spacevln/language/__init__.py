@@ -5,6 +5,7 @@ from spacevln.language.grammar import ClauseType
 from spacevln.language.grounding import (
     attributes_of,
     cue_kind,
+    grounding_terms,
     head_noun,
     infer_region,
     known_categories,
@@ -35,6 +36,7 @@ __all__ = [
     "attributes_of",
     "chance_in_room",
     "cue_kind",
+    "grounding_terms",
     "head_noun",
     "infer_region",
     "known_categories",

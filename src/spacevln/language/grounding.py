@@ -46,9 +46,13 @@ def head_noun(phrase: str) -> str:
 
 def attributes_of(phrase: str) -> tuple[str, ...]:
     """Colour, material, size and shape words before the head noun, in one spelling: ``("large", "white")``."""
+    return tuple(_GREY.get(word, word) for word in _attribute_words(phrase))
+
+
+def _attribute_words(phrase: str) -> list[str]:
     term, words, start = _last_term(phrase)
     limit = start if term is not None else max(len(words) - 1, 0)
-    return tuple(_GREY.get(word, word) for word in words[:limit] if word in ATTRIBUTES)
+    return [word for word in words[:limit] if word in ATTRIBUTES]
 
 
 def norm(phrase: str) -> tuple[str, ...]:
@@ -66,6 +70,20 @@ def norm(phrase: str) -> tuple[str, ...]:
         return (head,)
     singular = [alias for alias in group if not (alias.endswith("s") and alias[:-1] in (head, *group))]
     return (head, *singular)
+
+
+def grounding_terms(phrase: str) -> tuple[str, ...]:
+    """What a detector is asked for a landmark phrase: its name with its attributes, as written, then Norm's names.
+
+    ``"the white couch by the window"`` gives ``("white couch", "sofa", "couch", "loveseat", ...)``. A model that reads the
+    attributes can tell the white one from others; the bare names find what it cannot tell apart.
+    """
+    _, words, start = _last_term(phrase)
+    attributes, hit = _attribute_words(phrase), match(words, start)
+    if not attributes:
+        return norm(phrase)
+    noun = " ".join(words[start : hit[1]]) if hit is not None and hit[0].kind is not NounKind.PART else head_noun(phrase)
+    return (" ".join((*attributes, noun)), *norm(phrase))
 
 
 def same_thing(category: str, phrase: str) -> bool:

@@ -20,6 +20,7 @@ STRAIGHT_DEG = 15.0  # smaller turns are not told [authors' code]
 SHOWN_CUES = 4
 SHOWN_FRONTIERS = 6
 MIN_FRONTIER_M = 0.4
+BLIND_M = 0.5  # nearer than depth is measured: the border of a blind spot, not of the building [ours]
 
 
 def serialize(
@@ -41,7 +42,7 @@ def serialize(
         lines.append("Spaces: " + "; ".join(_region_entry(memory, entry, several) for entry in memory.regions.all))
     borders: dict[str, str] = {}  # the nearest in each direction
     for frontier in frontiers:
-        if frontier.width_m >= MIN_FRONTIER_M and math.isfinite(frontier.geodesic_m):
+        if frontier.width_m >= MIN_FRONTIER_M and BLIND_M <= frontier.geodesic_m < math.inf:
             label = egocentric_label(frontier.bearing_rad)
             borders.setdefault(label, f"{label} {frontier.geodesic_m:.1f} m")
     if borders:

@@ -16,10 +16,10 @@ from pathlib import Path
 import pytest
 from cot_situations import BODY, OFF, TASK, later_call, memory, query, settings
 
-from spacevln.core import Camera, EpisodeSpec, Observation, Pose
+from spacevln.core import Camera, EpisodeSpec, Observation, Pose, Sighting, View, egocentric_label, wrap_angle
 from spacevln.environments.houses.environment import HousesEnvironment, load_place
 from spacevln.environments.houses.walking.geodesics import Geodesics
-from spacevln.language import known_categories
+from spacevln.language import known_categories, norm
 from spacevln.mapping import MetricMap
 from spacevln.memory import SpatialCognitiveMemory
 from spacevln.perception import LabelDetector, lift
@@ -38,10 +38,13 @@ def test_static_parts_stay_short(row: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def memory_text() -> str:
-    """What is serialised after 20 planning boundaries in a house, every category detected: longer than a model's run makes it."""
+def remembered() -> tuple[str, tuple[View, ...]]:
+    """What is serialised after 20 planning boundaries in a house, every category detected: longer than a model's run makes it.
+
+    With it the views from the last of them, in which doorways and pictures, the commonest things, are detected.
+    """
     scene = "house-000503"
-    place, remembered, metric_map = load_place(scene), SpatialCognitiveMemory(), MetricMap()
+    place, known, metric_map = load_place(scene), SpatialCognitiveMemory(), MetricMap()
     detector, terms = LabelDetector(), known_categories()
     environment = HousesEnvironment(camera=Camera(320, 240, 79.0, 0.88))
     start: Pose | None = None
@@ -62,12 +65,19 @@ def memory_text() -> str:
         for image in images:
             metric_map.integrate(image)
         sightings = [s for image, found in zip(images, detector.detect(images, terms), strict=True) for s in lift(image, found)]
-        remembered.add_waypoint(here, f"{stand.room.type} - sofa / window", sightings, metric_map)
-        if len(remembered.hierarchical.waypoints) == WAYPOINTS:
+        known.add_waypoint(here, f"{stand.room.type} - sofa / window", sightings, metric_map)
+        if len(known.hierarchical.waypoints) == WAYPOINTS:
             break
     environment.close()
-    assert len(remembered.hierarchical.waypoints) == WAYPOINTS
-    return remembered.egocentric(here, metric_map).text
+    assert len(known.hierarchical.waypoints) == WAYPOINTS
+    found = detector.detect(images, (*norm("doorway"), *norm("painting")))
+    views = tuple(_view(image, here, lift(image, each)) for image, each in zip(images, found, strict=True))
+    return known.egocentric(here, metric_map).text, views
+
+
+def _view(image: Observation, here: Pose, sightings: tuple[Sighting, ...]) -> View:
+    heading_rad = wrap_angle(image.pose.yaw_rad - here.yaw_rad)
+    return View(egocentric_label(heading_rad), heading_rad, image.rgb, 2.1, sightings)
 
 
 @pytest.fixture(scope="module")
@@ -99,8 +109,9 @@ def count() -> Iterator[Callable[[str], int]]:
 
 @pytest.mark.slow
 @pytest.mark.allow_hosts(["127.0.0.1"])
-def test_prompts_stay_within_their_tokens(memory_text: str, count: Callable[[str], int]) -> None:
-    context = later_call(memory=memory(memory_text))
+def test_prompts_stay_within_their_tokens(remembered: tuple[str, tuple[View, ...]], count: Callable[[str], int]) -> None:
+    memory_text, views = remembered
+    context = later_call(memory=memory(memory_text), views=views)
     static, call = (message.text for message in PlannerPrompt(settings(), BODY).request(context).messages)
     act_static, act_call = (message.text for message in ExecutorPrompt(settings(), BODY).request(query()).messages)
     sizes = {"planner static": static, "planner call": call, "its memory": memory_text}

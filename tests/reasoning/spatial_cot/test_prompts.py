@@ -30,11 +30,26 @@ from cot_situations import (
     views,
 )
 
-from spacevln.core import ChatRequest, ImagePart, ObjectGoalTask, Role, StageRecord, TextPart, UsageError
+from spacevln.core import (
+    Anchor,
+    ChatRequest,
+    CueKind,
+    Feedback,
+    ImagePart,
+    ObjectGoalTask,
+    Pose,
+    Role,
+    SpaceKind,
+    StageEnd,
+    StageRecord,
+    TextPart,
+    UsageError,
+)
 from spacevln.language.names import MAX_NAME_CHARS, plain_name
-from spacevln.reasoning.spatial_cot import ExecutorPrompt, Layout, PlannerPrompt
+from spacevln.reasoning.spatial_cot import ExecutorPrompt, Layout, PlannerPrompt, wording
 from spacevln.reasoning.spatial_cot.templating import render
 from spacevln.reasoning.spatial_cot.transcript import Refusal
+from spacevln.testing.scripted import subtask_of
 
 SNAPSHOTS = Path(__file__).parent / "snapshots"
 TEAPOT = ObjectGoalTask("teapot")
@@ -148,6 +163,28 @@ def test_the_executor_without_landmark_memory_hears_of_no_pool() -> None:
     text = told(act_request(query(pool=(), sightings=()), "-LLM"))
     assert "LANDMARKS" not in text
     assert "Tracked" not in text
+
+
+def test_to_be_near_stairs_that_are_taken_is_told_as_no_arrival() -> None:
+    flight = Anchor("stairs up", SpaceKind.FLOOR_TRANSITION, "stairs", CueKind.STAIRS)
+    pool = (candidate("stairs", arrived=True, attributes=()),)
+    for chain, arrival in (((SOFA, flight), False), ((SOFA, replace(flight, space_kind=SpaceKind.CONNECTOR)), True)):
+        subtask = subtask_of(chain, 0)
+        last = Feedback(subtask, StageRecord(Pose(0, 0)), pool, StageEnd.STAGE_BUDGET)
+        planned = told(plan_request(later_call(feedback=last, last_subtask=subtask)))
+        acted = told(act_request(query(subtask=subtask, pool=pool)))
+        assert ('The landmark now: "stairs" 2.0 m away, front, arrived' in planned) == arrival
+        assert ("confidence 0.82, arrived" in acted) == arrival
+
+
+def test_a_thing_in_several_views_is_told_where_it_is_nearest_to_the_middle() -> None:
+    door, other = seen("doorway", 2.0, 0.0), seen("doorway", 2.0, 1.6)
+    front, left = views()[:2]
+    edge = [replace(door, bearing_rad=-0.5, position_m=(1.7, 0.2, 1.0)), replace(other, bearing_rad=0.1)]
+    shown = (replace(front, sightings=(door, replace(other, bearing_rad=0.6))), replace(left, sightings=tuple(edge)))
+    assert wording.told_once(shown) == [[door], [edge[1]]]
+    text = told(plan_request(later_call(views=(*shown, *views()[2:]))))
+    assert text.count('detected "brown doorway"') == 2
 
 
 def test_a_missing_variable_is_an_error() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from spacevln.core import ChatRequest, CueKind, EnvironmentSpec, ExecutorContext, ExecutorReply, Part, Role, SpaceKind
+from spacevln.core import ChatRequest, CueKind, EnvironmentSpec, ExecutorContext, ExecutorReply, Part, Role
 from spacevln.language.names import tidy
 from spacevln.memory.arrival import ARRIVAL_RADIUS_M
 from spacevln.reasoning.spatial_cot import pictures, wording
@@ -65,8 +65,7 @@ class ExecutorPrompt:
 
     def _call(self, context: ExecutorContext) -> tuple[Part, ...]:
         settings, subtask, obstacles = self._settings, context.subtask, context.obstacles
-        anchor = subtask.next_anchor
-        crossing = anchor is not None and anchor.space_kind is SpaceKind.FLOOR_TRANSITION
+        crossing = wording.crosses_floors(subtask)
         picture = pictures.forward_picture(
             context.observation,
             context.sightings if settings.landmark_memory else (),
@@ -78,7 +77,7 @@ class ExecutorPrompt:
             "executor_call",
             {"front camera": pictures.jpeg(picture, settings.jpeg_quality)},
             instruction=tidy(subtask.instruction),
-            target=wording.anchor_words(anchor),
+            target=wording.anchor_words(subtask.next_anchor),
             landmark_memory=settings.landmark_memory,
             landmark=wording.landmark_words(subtask.landmark),
             tracked=bool(subtask.landmark),

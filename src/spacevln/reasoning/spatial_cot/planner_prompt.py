@@ -139,7 +139,7 @@ class PlannerPrompt:
             landmark_memory=settings.landmark_memory,
             memory=None if memory is None else tidy(memory.text),
             mosaic=settings.layout is Layout.MOSAIC,
-            views=[{"label": view.label, "words": wording.view_words(view, detections=self._detections)} for view in views],
+            views=[{"label": view.label, "words": words} for view, words in zip(views, self._view_words(views), strict=True)],
             steps_left=context.steps_left,
             lookaround=self._spec.lookaround_count,
             longest_move=round(self._spec.max_forward_m / self._spec.step_m),
@@ -148,6 +148,10 @@ class PlannerPrompt:
     @property
     def _detections(self) -> bool:
         return self._settings.show_detections and self._settings.landmark_memory and self._settings.stagewise
+
+    def _view_words(self, views: tuple[View, ...]) -> list[str]:
+        told = wording.told_once(views) if self._detections else [()] * len(views)
+        return [wording.view_words(view, seen) for view, seen in zip(views, told, strict=True)]
 
     def _view_pictures(self, views: tuple[View, ...]) -> dict[str, bytes]:
         settings = self._settings
@@ -172,6 +176,6 @@ def _last_stage(feedback: Feedback | None) -> dict[str, object] | None:
         "landmark": wording.landmark_words(subtask.landmark),
         "end": wording.end_words(feedback),
         "motion": wording.motion_words(feedback.record),
-        "pool": wording.pool_words(feedback.pool, subtask.landmark),
+        "pool": wording.pool_words(feedback.pool, subtask.landmark, crossing=wording.crosses_floors(subtask)),
         "chain": wording.chain_lines(subtask),
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 
 from spacevln.core import (
     Anchor,
@@ -12,6 +13,7 @@ from spacevln.core import (
     Feedback,
     LandmarkCandidate,
     LandmarkPool,
+    Sighting,
     SpaceKind,
     StageEnd,
     StageRecord,
@@ -21,7 +23,7 @@ from spacevln.core import (
 )
 from spacevln.language.names import full_name, quoted
 from spacevln.reasoning.spatial_cot.actions import words_of
-from spacevln.reasoning.spatial_cot.pictures import bearing_words, nearest_sightings, obstacle_words
+from spacevln.reasoning.spatial_cot.pictures import SAME_THING_M, bearing_words, nearest_sightings, obstacle_words
 
 STATUS = {AnchorStatus.VERIFIED: "done", AnchorStatus.CURRENT: "here", AnchorStatus.PENDING: "ahead"}
 
@@ -41,6 +43,11 @@ def anchor_words(anchor: Anchor | None) -> str:
     if anchor.space_kind is SpaceKind.FLOOR_TRANSITION:
         return f"{anchor.space or 'stairs'}, over the whole flight to the other floor"
     return ", by ".join(part for part in (anchor.space, f"the {anchor.cue}" if anchor.cue else "") if part)
+
+
+def crosses_floors(subtask: Subtask) -> bool:
+    """Whether the stage leads over stairs: then to be near them is no arrival."""
+    return subtask.next_anchor is not None and subtask.next_anchor.space_kind is SpaceKind.FLOOR_TRANSITION
 
 
 def landmark_words(landmark: str) -> str:
@@ -86,15 +93,20 @@ def _turn_words(turned_rad: float) -> str:
     return f"{abs(degrees):.0f} deg {'left' if degrees > 0 else 'right'}" if abs(degrees) >= 1 else "0 deg"
 
 
-def pool_words(pool: LandmarkPool, landmark: str) -> str:
-    """The stage-end summary of the landmark pool, seen from where the robot stands now."""
+def pool_words(pool: LandmarkPool, landmark: str, *, crossing: bool) -> str:
+    """The stage-end summary of the landmark pool, seen from where the robot stands now.
+
+    Args:
+        pool, landmark: B of the last stage and what it tracked.
+        crossing: that stage led over these stairs, as for :func:`candidate_words`.
+    """
     if not landmark:
         return "none was tracked."
     if not pool:
         return f"{quoted(landmark)} was never seen in this stage."
     return "; ".join(
         f"{quoted(full_name(candidate.category, candidate.attributes))} {candidate.distance_m:.1f} m away, "
-        f"{egocentric_label(candidate.bearing_rad)}{', arrived' if candidate.arrived else ''}"
+        f"{egocentric_label(candidate.bearing_rad)}{', arrived' if candidate.arrived and not crossing else ''}"
         for candidate in pool
     )
 
@@ -113,11 +125,33 @@ def candidate_words(candidate: LandmarkCandidate, *, crossing: bool) -> str:
     )
 
 
-def view_words(view: View, *, detections: bool) -> str:
-    """One line about a view: ``left 30: obstacle 2.1 m; detected "sofa" 2.3 m``."""
+def view_words(view: View, told: Sequence[Sighting]) -> str:
+    """One line about a view: ``left 30: obstacle 2.1 m; detected "sofa" 2.3 m``.
+
+    Args:
+        view: what is shown.
+        told: of :func:`told_once`.
+    """
     words = f"{view.label}: obstacle {obstacle_words(view.obstacle_m)}"
-    nearest = nearest_sightings(view) if detections else []
-    if nearest:
-        seen = ", ".join(f"{quoted(full_name(s.category, s.attributes))} {s.distance_m:.1f} m" for s in nearest)
+    if told:
+        seen = ", ".join(f"{quoted(full_name(s.category, s.attributes))} {s.distance_m:.1f} m" for s in told)
         words += f"; detected {seen}"
     return words
+
+
+def told_once(views: Sequence[View]) -> list[list[Sighting]]:
+    """The sightings that are told of each view: each thing where it is nearest to the middle, since views overlap."""
+    told: list[list[Sighting]] = [[] for _ in views]
+    kept: list[Sighting] = []
+    shown = [(abs(s.bearing_rad), index, s) for index, view in enumerate(views) for s in nearest_sightings(view)]
+    for _, index, sighting in sorted(shown, key=lambda item: item[:2]):
+        if not any(_same_thing(sighting, other) for other in kept):
+            kept.append(sighting)
+            told[index].append(sighting)
+    return [sorted(things, key=lambda thing: (thing.distance_m, thing.category)) for things in told]
+
+
+def _same_thing(one: Sighting, other: Sighting) -> bool:
+    reach_m = SAME_THING_M + max(one.extent_m, other.extent_m) / 4
+    named_alike = (one.category, one.attributes) == (other.category, other.attributes)
+    return named_alike and math.dist(one.position_m[:2], other.position_m[:2]) <= reach_m
