@@ -45,7 +45,7 @@ def test_attributes_agree_contradict_or_stay_open() -> None:
     assert fit("white sofa", "bed", ("white",)) is None
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(
     adjectives=ADJECTIVES,
     noun=NOUNS,

@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+import hypothesis
 import pytest
 from cot_situations import BENCH, BODY, CHAIN, DIRECT_REPLY, MOVE, REASONING, REPLY, ROBOT, SOFA, later_call, settings
 from hypothesis import given
@@ -336,6 +337,7 @@ JSON = st.recursive(
 )
 
 
+@hypothesis.settings(max_examples=40)
 @given(st.one_of(st.text(max_size=200), JSON.map(json.dumps), st.dictionaries(st.sampled_from(list(REPLY)), JSON).map(
     lambda part: json.dumps(REPLY | part)
 )))  # fmt: skip
