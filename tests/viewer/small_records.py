@@ -12,6 +12,7 @@ from spacevln.core import (
     AdmissibleActions,
     Anchor,
     Camera,
+    ChatReply,
     CueKind,
     EpisodeStatus,
     ExecutorThought,
@@ -20,14 +21,17 @@ from spacevln.core import (
     ObstacleDistances,
     PlannerThought,
     Pose,
+    Role,
     Sighting,
     SpaceKind,
     SpatialWaypoint,
+    Speaker,
     StopReason,
     Subtask,
     Verdict,
 )
 from spacevln.recording import Diagnosis, Metrics, ResultFile, RunFile, SummaryFile, Truth, write_file
+from spacevln.recording.calls import MessageLine, ModelCalledLine, TextLine
 from spacevln.recording.schema import (
     DecisionMadeLine,
     EpisodeEndedLine,
@@ -161,6 +165,12 @@ def _stage(folder: Path, stage: int, text: str, direction: str, *, filmed: bool)
     )
     lines: list[object] = [
         LookedAroundLine(time_s=0.0, stage=stage, views=views, memory=memory),
+        ModelCalledLine(
+            time_s=0.0, call=stage + 1, stage=stage, role=Role.PLANNER, model=text, digest="0",
+            messages=(MessageLine(speaker=Speaker.USER, static=False, parts=(TextLine(text=f"Asked: {text}"),)),),
+            schema_name=None, schema_file=None, max_tokens=9, reply=ChatReply(f"Answered: {text}"), parsed=None, problem="",
+            detail="",
+        ),
         ReplyRefusedLine(time_s=0.0, stage=stage, role="planner", kind="direction", reason=text),
         SubtaskIssuedLine(
             time_s=0.0, stage=stage, subtask=subtask, thought=PlannerThought(*5 * (text,)), seconds=0.1, revision=""

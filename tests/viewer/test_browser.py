@@ -117,6 +117,16 @@ def test_a_link_opens_its_step(browser: Any, run: Path) -> None:
         sync_api.expect(page.locator("#where")).to_have_text(re.compile("^step 5"))
 
 
+def test_a_call_opens_with_its_prompt_and_reply_as_text(browser: Any, run: Path) -> None:
+    with Tab(browser, run / "episodes/e-001/index.html") as page:
+        page.get_by_text("Calls of models (1)").click()
+        page.locator(".call summary").click()
+        texts = page.locator(".call pre").all_inner_texts()
+        assert texts[0].startswith("Asked: Go on.")
+        assert texts[1].startswith("Answered: Go on.")
+        assert all(PAYLOAD[:30] in text for text in texts)
+
+
 def test_the_list_sorts_and_filters(browser: Any, run: Path) -> None:
     with Tab(browser, run / "index.html") as page:
         first = page.locator("#list tbody tr:visible a").first
