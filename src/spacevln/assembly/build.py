@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 from spacevln.agent import AgentSettings, Components, NavigationAgent
+from spacevln.assembly.attentive import Attention, AttentiveExecutor, AttentivePlanner
 from spacevln.assembly.configuration import Configuration, HabitatSettings, OpenVocabularySettings
 from spacevln.core import (
     ChatModel,
@@ -21,6 +22,7 @@ from spacevln.core import (
     UsageError,
 )
 from spacevln.environments.houses.environment import HousesEnvironment
+from spacevln.environments.robot.environment import RobotEnvironment
 from spacevln.perception import LabelDetector
 from spacevln.perception.open_vocabulary.opening import open_from
 from spacevln.perception.serving import SharedDetector
@@ -104,6 +106,10 @@ def build_agent(
     )
     planner = _planner(configuration, environment.spec, models or {})
     executor = _executor(configuration, environment.spec, models or {})
+    if isinstance(environment, RobotEnvironment):
+        attention = Attention(environment.live)
+        planner = planner if isinstance(planner, RulePlanner) else AttentivePlanner(planner, attention)
+        executor = executor if isinstance(executor, RuleExecutor) else AttentiveExecutor(executor, attention)
     return NavigationAgent(environment, detector or build_detector(configuration), planner, executor, settings, sinks)
 
 
