@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 .DEFAULT_GOAL := help
-.PHONY: help run test test-slow lint bench docs clean
+.PHONY: help run robot-demo test test-slow lint bench docs clean
 
 help:  ## Show this help
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -23,6 +23,10 @@ $(VENV)/.dev: $(BIN)/spacevln
 
 run: $(BIN)/spacevln  ## Set up .venv and watch an agent follow an instruction through a furnished house
 	@$(BIN)/spacevln run
+
+robot-demo: $(BIN)/spacevln  ## Watch the agent drive a simulated ROS 2 robot in real time, over the real transport
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[robot]'
+	@$(BIN)/spacevln robot demo
 
 test: $(VENV)/.dev  ## Set up .venv and pass the default test suite
 	@$(BIN)/python -m pytest -n 2

@@ -242,3 +242,50 @@ def _until(holds) -> None:  # type: ignore[no-untyped-def]
     while not holds():
         assert time.monotonic() < end
         time.sleep(0.01)
+
+
+def test_a_bag_gives_posed_images(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    """A bag that rosbags writes, in MCAP, is read through the same streams as a live robot's messages."""
+    import numpy as np
+    from rosbags.rosbag2 import StoragePlugin, Writer
+
+    from spacevln.core import Camera, RecordError
+    from spacevln.environments.robot.bag import read_bag
+    from spacevln.environments.robot.calibration import info_of
+    from spacevln.environments.robot.images import depth_message, rgb_message
+    from spacevln.environments.robot.profile import Images
+
+    profile = RobotProfile(name="bag", mount=Mount(), images=Images(width_px=0))
+    topics, camera = profile.topics, Camera(32, 24, 79.0, 0.88)
+    rgb, depth = np.full((24, 32, 3), 7, np.uint8), np.full((24, 32), 2.0, np.float32)
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        names = {topics.rgb: Image, topics.depth: Image, topics.camera_info: CameraInfo, topics.odometry: Odometry}
+        connections = {
+            name: writer.add_connection(name, TYPE_NAMES[kind], typestore=wire.typestore()) for name, kind in names.items()
+        }
+        for k in range(30):
+            header = Header(1_000_000_000 + k * 50_000_000, "camera")
+            pose = Odometry(Header(header.stamp_ns, "odom"), "base", Vector3(3.0 + 0.02 * k), Quaternion())
+            said = {topics.odometry: pose, topics.camera_info: info_of(camera, header)}
+            if k % 3 == 1:
+                said |= {topics.depth: depth_message(depth, header), topics.rgb: rgb_message(rgb, header)}
+            for name, message in said.items():
+                writer.write(connections[name], header.stamp_ns, wire.encode(message))
+    frames = list(read_bag(tmp_path / "bag", profile))
+    assert len(frames) == 10
+    assert frames[0][1].pose.x_m == 0.0
+    assert frames[-1][1].pose.x_m == pytest.approx(0.54)
+    assert np.array_equal(frames[3][1].rgb, rgb)
+    assert (frames[3][1].depth_m == 2.0).all()
+    [mcap] = (tmp_path / "bag").glob("*.mcap")
+    assert len(list(read_bag(mcap, profile))) == 10
+    with pytest.raises(RecordError, match="none of the profile's topics"):
+        list(
+            read_bag(
+                mcap,
+                RobotProfile(
+                    name="x",
+                    topics=profile.topics.model_copy(update=dict.fromkeys(("rgb", "depth", "camera_info", "odometry"), "/other")),
+                ),
+            )
+        )

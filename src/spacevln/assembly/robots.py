@@ -11,11 +11,14 @@ from spacevln.environments.houses.house import build_house, parse_scene_name
 from spacevln.environments.houses.labels import house_labels
 from spacevln.environments.houses.motion import sweep_disc
 from spacevln.environments.houses.rendering import Renderer, make_renderer, renderer_info
+from spacevln.environments.robot.clock import SystemClock
 from spacevln.environments.robot.environment import RobotEnvironment
 from spacevln.environments.robot.guard.link import GuardProcess
 from spacevln.environments.robot.profile import Images, Limits, RobotProfile, Topics
 from spacevln.environments.robot.simulation.world import Sight
 from spacevln.environments.robot.transport import TransportName, open_transport
+
+_CARRIED_S = 0.5
 
 
 class HouseWorld:
@@ -38,9 +41,7 @@ class HouseWorld:
         """Move a disc until it touches something."""
         ground = self._place.ground
         space = ground.floors[ground.floor_index(pose.x_m, pose.y_m, pose.z_m)]
-        x, y, hit = sweep_disc(
-            (pose.x_m, pose.y_m), (dx_m, dy_m), space.boxes, space.discs, radius_m=radius_m, sliding=False
-        )
+        x, y, hit = sweep_disc((pose.x_m, pose.y_m), (dx_m, dy_m), space.boxes, space.discs, radius_m=radius_m, sliding=False)
         return Pose(x, y, ground.floor_height_m(x, y, pose.z_m), pose.yaw_rad), hit
 
     def close(self) -> None:
@@ -94,7 +95,8 @@ def connect(
     def placed(episode: EpisodeSpec) -> None:
         if place is not None:
             place(episode)
-            link.operate("resume")  # being carried is no fault
+            SystemClock().sleep(_CARRIED_S)  # until the guard has seen the jump: being carried is no fault
+            link.operate("resume")
 
     names = label_names if simulated else None
     return RobotEnvironment(transport, link, profile, place=placed, label_names=names, dry=dry), link

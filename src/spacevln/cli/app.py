@@ -20,6 +20,7 @@ from spacevln.cli.models import models
 from spacevln.cli.pictures import figure, rerun, video
 from spacevln.cli.prompt import prompt
 from spacevln.cli.replay import replay
+from spacevln.cli.robot import robot
 from spacevln.cli.run import run
 from spacevln.cli.table import table
 from spacevln.cli.view import view
@@ -48,6 +49,7 @@ def cli() -> None:
     spacevln map RECORD                  draw the memory that an episode left: map, spaces, graph
     spacevln detect IMAGE PHRASE...      find things that are named in a picture
     spacevln models list                 weights of detectors and segmenters: list, download, verify
+    spacevln robot                       drive a ROS 2 robot: run, check, record, map, bench, demo
     spacevln doctor                      what is installed, what is missing, and the command that mends it
     """  # noqa: D301 - click reads the backspace as "keep these lines"
 
@@ -67,6 +69,7 @@ cli.add_command(memory_map)
 cli.add_command(houses)
 cli.add_command(detect)
 cli.add_command(models)
+cli.add_command(robot)
 cli.add_command(doctor)
 
 

@@ -29,6 +29,7 @@ EXTRAS = (
     ("gymnasium", "gym", "the Gymnasium environment spacevln/Houses-v0"),
     ("spacevln_bridge", "habitat", "Habitat-Sim in a Python of its own"),
     ("trimesh", "export", "writing houses as .glb files"),
+    ("rosbags", "robot", "ROS 2 robots without a ROS installation, and ROS 2 bags"),
 )
 
 

@@ -5,19 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-import numpy as np
-
 from spacevln.core.actions import Action, Motion, MoveForward, Stop, TurnLeft, TurnRight
 from spacevln.core.errors import ContractError, EnvironmentFailure
-from spacevln.core.geometry import Float, Pose, wrap_angle
+from spacevln.core.geometry import Pose, wrap_angle
 from spacevln.core.interfaces import EnvironmentSpec
-from spacevln.core.sensing import InstanceLabel, Labels, Observation
+from spacevln.core.sensing import InstanceLabel, Observation
 from spacevln.core.task import EpisodeSpec
-from spacevln.environments.robot.calibration import Rectifier
 from spacevln.environments.robot.clock import Clock, SystemClock
 from spacevln.environments.robot.guard.status import WheelLink
-from spacevln.environments.robot.images import depth_of, label_ids_of, rgb_of
 from spacevln.environments.robot.motion import Outcome, Pilot, Times
+from spacevln.environments.robot.observer import Observer, flat
 from spacevln.environments.robot.profile import RobotProfile
 from spacevln.environments.robot.streams import Snapshot, Streams
 from spacevln.environments.robot.tracking import ForwardTracker, TurnTracker
@@ -66,19 +63,26 @@ class RobotEnvironment:
         self._place, self._label_names = place, label_names
         self._streams = Streams(transport, profile, self._clock)
         self._pilot = Pilot(link, self._streams, profile, self._clock, dry=dry)
-        self._T_base_camera, self._rectifier = self._connected()
+        self._closed = False
+        self._observer = self._connected()
         motions = profile.motions
-        self._spec = EnvironmentSpec(self._rectifier.camera, motions.step_m, motions.turn_deg, motions.max_forward_m)
+        self._spec = EnvironmentSpec(self._observer.camera, motions.step_m, motions.turn_deg, motions.max_forward_m)
         self._origin: Pose | None = None
         self._names: Mapping[int, InstanceLabel] = {}
         self._heading_rad = 0.0
         self._observation: Observation | None = None
-        self._closed = False
 
     @property
     def spec(self) -> EnvironmentSpec:
         """The rectified camera; by default 0.5 m steps up to 1.5 m and 45 degree turns, eight to a look-around."""
         return self._spec
+
+    @property
+    def origin(self) -> Pose:
+        """Of the episode frame in the fixed frame."""
+        if self._origin is None:
+            raise ContractError("RobotEnvironment.origin was asked before reset(): reset to an episode first.")
+        return self._origin
 
     @property
     def times(self) -> Times:
@@ -92,7 +96,7 @@ class RobotEnvironment:
             self._place(episode)
         self._names = self._label_names(episode.scene) if self._label_names is not None else {}
         snapshot = self._fresh_snapshot(self._clock.stamp_ns())
-        self._origin = _flat(snapshot.pose)
+        self._origin = flat(snapshot.pose)
         self._heading_rad = self._origin.yaw_rad
         self._observation = self._observed(snapshot)
         self._pilot.times = Times(self._clock.now_s())
@@ -178,23 +182,7 @@ class RobotEnvironment:
         return found[1]
 
     def _observed(self, snapshot: Snapshot) -> Observation:
-        origin = self._origin or _flat(snapshot.pose)
-        pose = _flat(snapshot.pose).relative_to(origin)
-        labels = None
-        if snapshot.labels is not None and self._names:
-            ids = self._rectifier.ids(label_ids_of(snapshot.labels))
-            shown = {int(number) for number in np.unique(ids)} & set(self._names)
-            labels = Labels(
-                np.where(np.isin(ids, list(shown)), ids, 0).astype(np.int32), {n: self._names[n] for n in sorted(shown)}
-            )
-        return Observation(
-            rgb=self._rectifier.rgb(rgb_of(snapshot.rgb)),
-            depth_m=self._rectifier.depth(depth_of(snapshot.depth, self._profile.images.depth_scale_m)),
-            pose=pose,
-            camera=self._spec.camera,
-            T_world_camera=pose.T_world_body @ self._T_base_camera,
-            labels=labels,
-        )
+        return self._observer.observation(snapshot, self._origin or flat(snapshot.pose), self._names)
 
     def _fresh_snapshot(self, after_ns: int) -> Snapshot:
         """The first synchronised set taken after a time."""
@@ -205,21 +193,16 @@ class RobotEnvironment:
             self._clock.sleep(_POLL_S)
         return snapshot
 
-    def _connected(self) -> tuple[Float, Rectifier]:
+    def _connected(self) -> Observer:
         end_s = self._clock.now_s() + self._profile.motions.patience_s
         while True:
             info, place = self._streams.info, self._streams.place_of_camera()
             if info is not None and place is not None and self._streams.pose is not None:
-                return place, Rectifier(info, self._profile.images.width_px, float(place[2, 3]))
+                return Observer(self._profile, info, place)
             if self._clock.now_s() > end_s:
-                self.close_unopened()
+                self.close()
                 raise EnvironmentFailure(f"The robot {self._profile.name!r} is not heard: {self._missing()}.")
             self._clock.sleep(_POLL_S)
-
-    def close_unopened(self) -> None:
-        """Free what a failed start holds."""
-        self._link.close()
-        self._transport.close()
 
     def _missing(self) -> str:
         topics, times, now_s = self._profile.topics, self._streams.times, self._clock.now_s()
@@ -238,8 +221,3 @@ class RobotEnvironment:
             )
         heard = f"missing {', '.join(silent)}" if silent else "the stamps of colour, depth and pose do not match"
         return f"{heard}; run `spacevln robot check`"
-
-
-def _flat(pose: Pose) -> Pose:
-    """On the floor: what odometry says about height is drift on one storey."""
-    return Pose(pose.x_m, pose.y_m, 0.0, pose.yaw_rad)
