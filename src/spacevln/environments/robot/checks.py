@@ -82,9 +82,9 @@ def _mount(streams: Streams, profile: RobotProfile) -> Check:
         )
     pitch_deg = math.degrees(math.asin(max(-1.0, min(1.0, -T[2, 0]))))
     where = "profile" if profile.mount is not None else "TF"
-    return Check(
-        0.05 < T[2, 3] < 2.5, f"camera on the body: {T[2, 3]:.2f} m high, {pitch_deg:.0f} degrees down ({where})", "give [mount]"
-    )
+    ok = bool(0.05 < T[2, 3] < 2.5)
+    what = f"camera on the body: {T[2, 3]:.2f} m high, {round(pitch_deg)} degrees down ({where})"
+    return Check(ok, what, "" if ok else "mend the transform, or give [mount] in the profile")
 
 
 def _clocks(skews: Sequence[float], profile: RobotProfile) -> Check:
@@ -156,7 +156,8 @@ def check_turning(views: Sequence[Observation]) -> Check:
 
 def _points(seen: Observation) -> Float:
     camera = seen.camera
-    rows, columns = np.mgrid[4 : camera.height_px : 8, 4 : camera.width_px : 8]
+    step = max(1, camera.height_px // 60)
+    rows, columns = np.mgrid[step // 2 : camera.height_px : step, step // 2 : camera.width_px : step]
     depth = seen.depth_m[rows, columns].astype(np.float64)
     left = -(columns + 0.5 - camera.cx_px) / camera.fx_px * depth
     up = -(rows + 0.5 - camera.cy_px) / camera.fy_px * depth
