@@ -95,15 +95,17 @@ def test_playback_does_what_the_recorded_body_did(tmp_path: Path) -> None:
     assert environment.reset(EPISODE).pose == Pose(0.0, 0.0)
 
 
-def test_the_turn_check_finds_a_camera_mounted_askew() -> None:
-    views = walk()
-    assert check_turning(views).ok
-    c, s = np.cos(0.3), np.sin(0.3)
-    yawed = np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0.2], [0, 0, 0, 1]])
-    askew = [replace(view, T_world_camera=view.T_world_camera @ yawed) for view in views]
-    crooked = check_turning(askew)
-    assert not crooked.ok
-    assert "camera's yaw" in crooked.mend
+def test_depth_that_moves_otherwise_than_odometry_is_found() -> None:
+    assert check_turning(walk()).ok
+    rgb, wall = np.zeros((36, 48, 3), np.uint8), np.full((36, 48), 2.0, np.float32)
+    before = Observation(rgb, wall, Pose(0.0, 0.0), CAMERA)
+    nearer = Observation(rgb, wall - np.float32(0.25), Pose(0.25, 0.0), CAMERA)
+    assert check_turning([before, nearer]).ok
+    still = replace(nearer, pose=Pose(0.0, 0.0), T_world_camera=before.T_world_camera)
+    wrong = check_turning([before, still])
+    assert not wrong.ok
+    assert "25 cm apart" in wrong.what
+    assert wrong.mend
 
 
 def test_check_says_what_is_missing() -> None:

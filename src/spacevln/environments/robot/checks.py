@@ -150,7 +150,7 @@ def check_turning(views: Sequence[Observation]) -> Check:
         return Check(False, "depth against odometry: the views share nothing", "turn in a room, not in the open")
     middle = float(np.median(misfits))
     ok = middle < WORST_MISFIT_M
-    mend = "" if ok else "check the camera's yaw and height on the body, the stamps, and the direction of odometry"
+    mend = "" if ok else "check the camera's tilt and place on the body, the stamps, and the direction of odometry"
     return Check(ok, f"depth against odometry: {100 * middle:.0f} cm apart over {len(views)} views", mend)
 
 
