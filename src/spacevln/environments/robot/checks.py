@@ -131,7 +131,7 @@ def _image(streams: Streams, profile: RobotProfile) -> list[Check]:
 def misfit_m(before: Observation, after: Observation) -> float | None:
     """Median distance between what an image measured and where the next one's points fall in it; None when they share nothing."""
     camera = before.camera
-    points = transform_points(np.linalg.inv(before.T_world_camera), _points(after))
+    points = transform_points(np.linalg.inv(before.T_world_camera).astype(np.float64), _points(after))
     points = points[points[:, 0] > 0.3]
     columns = np.floor(camera.cx_px - camera.fx_px * points[:, 1] / points[:, 0]).astype(int)
     rows = np.floor(camera.cy_px - camera.fy_px * points[:, 2] / points[:, 0]).astype(int)
