@@ -9,8 +9,8 @@ from spacevln.core.geometry import Float
 from spacevln.environments.houses.environment import load_place
 from spacevln.environments.houses.house import build_house, parse_scene_name
 from spacevln.environments.houses.labels import house_labels
-from spacevln.environments.houses.walking.motion import sweep_disc
 from spacevln.environments.houses.rendering import Renderer, make_renderer, renderer_info
+from spacevln.environments.houses.walking.motion import sweep_disc
 from spacevln.environments.robot.clock import SystemClock
 from spacevln.environments.robot.environment import RobotEnvironment
 from spacevln.environments.robot.guard.link import GuardProcess
