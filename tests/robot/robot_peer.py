@@ -15,6 +15,7 @@ from spacevln.environments.robot.profile import RobotProfile
 from spacevln.environments.robot.transport import Qos, Topic, Transport
 
 CAMERA = Camera(64, 48, 79.0, 0.88)
+COMMAND_TIMEOUT_S = 0.25  # of the simulated base
 
 
 class Peer:
@@ -35,13 +36,13 @@ class Peer:
             time.sleep(0.01)
 
     def wait_for_zero(self, timeout_s: float = 20.0) -> float:
-        """Steady time of the first of the zeros that follow each other now."""
+        """Steady time at which the wheels stand: with the first zero, or by the base's time-out where none came for so long."""
         end = time.monotonic() + timeout_s
         while self.commands[-1][1:] != (0.0, 0.0):
             assert time.monotonic() < end, "the wheels were not stopped"
             time.sleep(0.005)
         moving = [time_s for time_s, v, w in self.commands if (v, w) != (0.0, 0.0)]
-        return min(time_s for time_s, _, _ in self.commands if time_s > moving[-1])
+        return min(moving[-1] + COMMAND_TIMEOUT_S, *(time_s for time_s, _, _ in self.commands if time_s > moving[-1]))
 
     def close(self) -> None:
         self._ended.set()

@@ -15,6 +15,11 @@ M = TypeVar("M", bound=Message)
 INSTALL = "pip install 'spacevln[robot]'"
 
 
+def _elsewhere(module: str) -> str:
+    """CycloneDDS has wheels for x86-64 only, so that the extra leaves it out on other machines."""
+    return " on x86-64, or take --transport zenoh" if module == "cyclonedds" else ""
+
+
 class Qos(StrEnum):
     """Quality of service of a topic, by the profiles that ROS 2 robots use."""
 
@@ -77,7 +82,9 @@ def require(module: str) -> None:
         PrerequisiteError: it is not.
     """
     if importlib.util.find_spec(module) is None:
-        raise PrerequisiteError(f"The robot transport needs {module!r}, which is not installed: run {INSTALL}.")
+        raise PrerequisiteError(
+            f"The robot transport needs {module!r}, which is not installed: run {INSTALL}{_elsewhere(module)}."
+        )
 
 
 def open_transport(name: TransportName, *, domain: int = 0, distro: str = "jazzy", endpoint: str = "") -> Transport:

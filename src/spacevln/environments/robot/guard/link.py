@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import contextlib
 import json
 import subprocess
 import sys
@@ -12,6 +14,9 @@ from spacevln.environments.robot.guard.process import FAREWELL_S
 from spacevln.environments.robot.guard.status import GuardState, GuardStatus, StopReason
 from spacevln.environments.robot.guard.wheel import WheelGuard
 from spacevln.environments.robot.profile import RobotProfile
+
+HANG_UP_S = 0.05
+"""How long another thread may finish its line at the end of the interpreter."""
 
 
 class GuardProcess:
@@ -35,6 +40,7 @@ class GuardProcess:
         self._say({"profile": profile.model_dump(mode="json"), "dry": dry})
         self._reader = threading.Thread(target=self._listen, name="guard", daemon=True)
         self._reader.start()
+        atexit.register(self._hang_up)  # an interrupted interpreter takes its time to end, and the pipe would stay open as long
 
     @property
     def pid(self) -> int:
@@ -58,6 +64,7 @@ class GuardProcess:
         if self._closed:
             return
         self._closed = True
+        atexit.unregister(self._hang_up)
         with self._lock:
             if self._process.stdin is not None:
                 self._process.stdin.close()
@@ -69,6 +76,15 @@ class GuardProcess:
         self._reader.join()
         if self._process.stdout is not None:
             self._process.stdout.close()
+
+    def _hang_up(self) -> None:
+        """End the pipe, which stops the wheels, and wait for nothing."""
+        mine = self._lock.acquire(timeout=HANG_UP_S)
+        with contextlib.suppress(OSError):
+            if self._process.stdin is not None:
+                self._process.stdin.close()
+        if mine:
+            self._lock.release()
 
     def _say(self, words: dict[str, object]) -> None:
         with self._lock:
