@@ -15,7 +15,7 @@ from spacevln.environments.robot.simulation.robot import SensorSettings
 from spacevln.evaluation.attempt import Session
 from spacevln.evaluation.houses import pick_episode
 from spacevln.recording import read_events
-from spacevln.recording.schema import StepTakenLine
+from spacevln.recording.schema import LookedAroundLine, StepTakenLine
 
 pytestmark = pytest.mark.slow
 STEPS = 30
@@ -35,11 +35,13 @@ def test_an_episode_is_driven_without_a_hard_contact(tmp_path: Path) -> None:
     environment = RobotEnvironment(parts.transport, parts.link, profile, parts.clock, place=place, label_names=label_names)
     with Session(Configuration(step_budget=STEPS), environment) as session:
         result = session.attempt(episode, tmp_path)
-    steps = [line for line in read_events(tmp_path) if isinstance(line, StepTakenLine)]
+    lines = list(read_events(tmp_path))
+    steps = [line for line in lines if isinstance(line, StepTakenLine)]
+    looks = [line for line in lines if isinstance(line, LookedAroundLine)]
     assert result.status in ("stopped", "step_limit")
     assert len(steps) == result.metrics.steps <= STEPS
     assert sum(step.motion.moved_m for step in steps) > 0.8
-    assert sum(len(step.sightings) for step in steps) > 0
+    assert sum(len(view.sightings) for look in looks for view in look.views) > 0
     base = parts.robot.base
     assert base.hardest_contact_m_s <= 0.1
     true = base.pose.relative_to(episode.start)
