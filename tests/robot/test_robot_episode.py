@@ -20,7 +20,7 @@ from spacevln.recording.schema import LookedAroundLine, StepTakenLine
 pytestmark = pytest.mark.slow
 STEPS = 30
 SEED = 12
-"""A start with 0.6 m around it. In house 9 it is 0.23 m from a low bed that the level camera never sees, and the body grazes it."""
+"""A start with 0.6 m around it. In house 9 it is 0.23 m from a low bed that a level camera never sees: the body grazes it."""
 
 
 def test_an_episode_is_driven_without_a_hard_contact(tmp_path: Path) -> None:
