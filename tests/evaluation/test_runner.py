@@ -266,7 +266,7 @@ class Assassin:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1200)
 def test_kill_9_at_thirty_moments_loses_and_repeats_nothing(tmp_path: Path) -> None:
     """The world waits for the hits, so that each falls into the run and none behind its end, however fast the machine is."""
     rough, calm = tmp_path / "rough", tmp_path / "calm"
