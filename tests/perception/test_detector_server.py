@@ -73,7 +73,7 @@ def test_detections_survive_the_wire(rows: list[tuple[int, int, bool, int]]) -> 
 
 def test_requests_that_wait_share_a_pass_when_they_ask_the_same() -> None:
     detector = Echo(delay_s=0.2)
-    batcher = Batcher(detector, max_images=4)
+    batcher = Batcher(detector.detect_images, max_images=4)
     asked = [(("sofa",), 0), (("sofa",), 1), (("door",), 2), (("sofa",), 3), (("sofa",), 4), (("sofa",), 5), (("sofa",), 6)]
     answers = [batcher.submit([picture(seed)], phrases) for phrases, seed in asked]
     for (phrases, seed), answer in zip(asked, answers, strict=True):
@@ -84,7 +84,7 @@ def test_requests_that_wait_share_a_pass_when_they_ask_the_same() -> None:
 
 
 def test_an_error_reaches_its_callers_and_the_others_go_on() -> None:
-    batcher = Batcher(Echo())
+    batcher = Batcher(Echo().detect_images)
     refused, fine = batcher.submit([picture(0)], ["refuse"]), batcher.submit([picture(1)], ["sofa"])
     with pytest.raises(UsageError):
         refused.result(10)

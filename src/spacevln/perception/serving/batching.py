@@ -4,42 +4,45 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
 from spacevln.core import Detection
-from spacevln.perception.open_vocabulary.detector import Image, ImageDetector
+
+Seen = TypeVar("Seen")
+"""What is looked at: an image, or an observation."""
 
 Found = list[tuple[Detection, ...]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Request:
-    images: Sequence[Image]
+class _Request(Generic[Seen]):
+    images: Sequence[Seen]
     phrases: tuple[str, ...]
     answer: Future[Found] = field(default_factory=Future)
 
 
-class Batcher:
+class Batcher(Generic[Seen]):
     """Runs one detector in one thread for any number of callers.
 
     Nobody waits for company: a lone request goes through at once. Requests with the same phrases share a pass, the oldest first.
 
     Args:
-        detector: that does the work.
+        detect: what was found in each image, given the images and the phrases; called in that thread alone.
         max_images: of requests put together; a single larger request goes through alone.
     """
 
-    def __init__(self, detector: ImageDetector, max_images: int = 12) -> None:
-        self._detector, self._max_images = detector, max_images
-        self._waiting: deque[_Request] = deque()
+    def __init__(self, detect: Callable[[Sequence[Seen], Sequence[str]], Found], max_images: int = 12) -> None:
+        self._detect, self._max_images = detect, max_images
+        self._waiting: deque[_Request[Seen]] = deque()
         self._changed = threading.Condition()
         self._closed = False
         self._thread = threading.Thread(target=self._work, name="detector", daemon=True)
         self._thread.start()
 
-    def submit(self, images: Sequence[Image], phrases: Sequence[str]) -> Future[Found]:
+    def submit(self, images: Sequence[Seen], phrases: Sequence[str]) -> Future[Found]:
         """What will be found in the images; the future carries the detector's error where there is one."""
         request = _Request(images, tuple(phrases))
         with self._changed:
@@ -60,7 +63,7 @@ class Batcher:
         while requests := self._next():
             images = [image for request in requests for image in request.images]
             try:
-                found = self._detector.detect_images(images, requests[0].phrases)
+                found = self._detect(images, requests[0].phrases)
             except Exception as error:  # noqa: BLE001 - every caller is told, and the server lives on
                 for request in requests:
                     request.answer.set_exception(error)
@@ -70,7 +73,7 @@ class Batcher:
                 request.answer.set_result(found[at : at + len(request.images)])
                 at += len(request.images)
 
-    def _next(self) -> list[_Request]:
+    def _next(self) -> list[_Request[Seen]]:
         """The oldest request and what may go along with it; empty when all is done."""
         with self._changed:
             while not self._waiting and not self._closed:

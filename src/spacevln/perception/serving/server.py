@@ -43,7 +43,7 @@ class DetectorServer:
 
     def __init__(self, path: Path, detector: ImageDetector, max_images: int = 12, idle_s: float = IDLE_S) -> None:
         self._path, self._idle_s = path, idle_s
-        self._batcher = Batcher(detector, max_images)
+        self._batcher = Batcher(detector.detect_images, max_images)
         self._clients = 0
         self._lock = threading.Lock()
         path.unlink(missing_ok=True)
