@@ -51,7 +51,7 @@ class RecordLevel(StrEnum):
 
 
 LIGHT_WIDTH_PX = 320
-EXTERNAL_WIDTH_PX, EXTERNAL_QUALITY = 400, 80
+EXTERNAL_WIDTH_PX, EXTERNAL_QUALITY = 360, 70
 """Of the pictures that show the robot from outside: shown small, at every level."""
 JPEG_QUALITY = {RecordLevel.FULL: 90, RecordLevel.LIGHT: 70}
 _ORIGIN = Pose(0.0, 0.0)
