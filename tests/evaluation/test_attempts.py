@@ -152,8 +152,10 @@ def test_probes_change_the_words_and_not_the_goal() -> None:
 
 
 def test_a_swapped_instruction_leads_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
-    episode = house_episode("houses-vln-000003")
-    ends = {"Here.": tuple(episode.truth.goals[0]), "There.": (99.0, 99.0, 0.0)}
+    episode = house_episode("houses-vln-000004")
+    here, there = episode.truth.goals[0], episode.truth.shortest_path[0]
+    assert episode.truth.distances_m(there[None])[0] > 6.0
+    ends = {"Here.": tuple(here), "There.": tuple(there)}
     others = iter(SimpleNamespace(spec=SimpleNamespace(task=InstructionTask(text)), goals=(end,)) for text, end in ends.items())
     monkeypatch.setattr(probes, "route_episode", lambda *_: next(others))
     assert probe(episode, "swapped").instruction == "There."

@@ -13,9 +13,10 @@ from spacevln.evaluation.datasets.selection import Probe
 from spacevln.evaluation.datasets.sequence import EpisodeSequence
 from spacevln.evaluation.episode import Episode, GroundTruth
 from spacevln.evaluation.houses import split_of
+from spacevln.evaluation.metrics import VLN_RADIUS_M
 from spacevln.language import parse
 
-OTHER_SEEDS = range(100, 112)
+OTHER_SEEDS = range(100, 130)
 """Episode seeds of the other instructions; the suites' own episodes use 0 to 11."""
 
 
@@ -29,8 +30,8 @@ def probe(episode: Episode, kind: Probe) -> Episode:
 
     Args:
         episode: a route in an embedded house.
-        kind: ``swapped`` gives another episode's instruction of the same house, one that leads elsewhere: who follows it to its
-            end does not succeed; ``last-noun`` says "Walk to the X." of the last noun that the instruction names.
+        kind: ``swapped`` gives another episode's instruction of the same house, one that leads elsewhere: where it would be a
+            success to stop, it is none here; ``last-noun`` says "Walk to the X." of the last noun that the instruction names.
     """
     if kind == "none":
         return episode
@@ -49,7 +50,7 @@ def _other_instruction(episode: Episode, truth: GroundTruth) -> str:
             continue
         task = other.spec.task
         assert isinstance(task, InstructionTask)  # noqa: S101 - route episodes have instructions
-        if not truth.reached(np.array(other.goals[0])):
+        if truth.distances_m(np.array([other.goals[0]]))[0] > 2 * VLN_RADIUS_M:
             return task.instruction
     raise UsageError(f"{episode.scene} has no instruction that leads elsewhere: leave its seed out.")
 
