@@ -16,7 +16,7 @@ from spacevln.evaluation.houses import split_of
 from spacevln.evaluation.metrics import VLN_RADIUS_M
 from spacevln.language import parse
 
-OTHER_SEEDS = range(100, 130)
+OTHER_SEEDS = range(100, 112)
 """Episode seeds of the other instructions; the suites' own episodes use 0 to 11."""
 
 
@@ -31,7 +31,8 @@ def probe(episode: Episode, kind: Probe) -> Episode:
     Args:
         episode: a route in an embedded house.
         kind: ``swapped`` gives another episode's instruction of the same house, one that leads elsewhere: where it would be a
-            success to stop, it is none here; ``last-noun`` says "Walk to the X." of the last noun that the instruction names.
+            success to stop, it is none here (in a small home the one that leads farthest off); ``last-noun`` says "Walk to the
+            X." of the last noun that the instruction names.
     """
     if kind == "none":
         return episode
@@ -43,6 +44,7 @@ def probe(episode: Episode, kind: Probe) -> Episode:
 
 def _other_instruction(episode: Episode, truth: GroundTruth) -> str:
     house = build_house(parse_scene_name(episode.scene))
+    farthest = (0.0, "")
     for seed in OTHER_SEEDS:
         try:
             other = route_episode(house, seed, split_of(house.seed))
@@ -50,9 +52,12 @@ def _other_instruction(episode: Episode, truth: GroundTruth) -> str:
             continue
         task = other.spec.task
         assert isinstance(task, InstructionTask)  # noqa: S101 - route episodes have instructions
-        if truth.distances_m(np.array([other.goals[0]]))[0] > 2 * VLN_RADIUS_M:
+        farthest = max(farthest, (float(truth.distances_m(np.array([other.goals[0]]))[0]), task.instruction))
+        if farthest[0] > 2 * VLN_RADIUS_M:
             return task.instruction
-    raise UsageError(f"{episode.scene} has no instruction that leads elsewhere: leave its seed out.")
+    if not farthest[1]:
+        raise UsageError(f"{episode.scene} has no instruction that leads elsewhere: leave its seed out.")
+    return farthest[1]
 
 
 def _last_noun(instruction: str) -> str:
