@@ -24,6 +24,7 @@ from spacevln.core import (
     EventSink,
     PrerequisiteError,
     RecordError,
+    SpaceVLNError,
     SpendingLimit,
     StopReason,
     UsageError,
@@ -72,9 +73,13 @@ class Session(AbstractContextManager["Session"]):
     ) -> None:
         self._configuration = configuration
         self._detector = detector or build_detector(configuration)
-        self._desk = None if configuration.models is None else ModelDesk(configuration.models.choices, access)
         self._environment = environment or build_environment(configuration)
-        check_settings(configuration, self._environment.spec)
+        try:
+            check_settings(configuration, self._environment.spec)
+            self._desk = None if configuration.models is None else ModelDesk(configuration.models.choices, access)
+        except SpaceVLNError:
+            self._environment.close()
+            raise
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
         self._environment.close()
