@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from spacevln.core import InstructionTask, UsageError
 from spacevln.environments.houses.episodes import NoEpisodeError, route_episode
 from spacevln.environments.houses.house import build_house, parse_scene_name
 from spacevln.evaluation.datasets.selection import Probe
 from spacevln.evaluation.datasets.sequence import EpisodeSequence
-from spacevln.evaluation.episode import Episode, GroundTruth
+from spacevln.evaluation.episode import Episode
 from spacevln.evaluation.houses import split_of
-from spacevln.evaluation.metrics import VLN_RADIUS_M
 from spacevln.language import parse
 
 OTHER_SEEDS = range(100, 112)
@@ -30,34 +27,28 @@ def probe(episode: Episode, kind: Probe) -> Episode:
 
     Args:
         episode: a route in an embedded house.
-        kind: ``swapped`` gives another episode's instruction of the same house, one that leads elsewhere: where it would be a
-            success to stop, it is none here (in a small home the one that leads farthest off); ``last-noun`` says "Walk to the
-            X." of the last noun that the instruction names.
+        kind: ``swapped`` gives another episode's instruction of the same house; ``last-noun`` says "Walk to the X." of the last
+            noun that the instruction names.
     """
     if kind == "none":
         return episode
-    if episode.instruction is None or episode.truth is None:
+    if episode.instruction is None:
         raise UsageError(f"Probe {kind!r} needs a route instruction, and {episode.episode_id!r} has none: use houses-vln.")
-    text = _other_instruction(episode, episode.truth) if kind == "swapped" else f"Walk to the {_last_noun(episode.instruction)}."
+    text = _other_instruction(episode) if kind == "swapped" else f"Walk to the {_last_noun(episode.instruction)}."
     return replace(episode, spec=replace(episode.spec, task=InstructionTask(text)))
 
 
-def _other_instruction(episode: Episode, truth: GroundTruth) -> str:
+def _other_instruction(episode: Episode) -> str:
     house = build_house(parse_scene_name(episode.scene))
-    farthest = (0.0, "")
     for seed in OTHER_SEEDS:
         try:
-            other = route_episode(house, seed, split_of(house.seed))
+            task = route_episode(house, seed, split_of(house.seed)).spec.task
         except NoEpisodeError:
             continue
-        task = other.spec.task
         assert isinstance(task, InstructionTask)  # noqa: S101 - route episodes have instructions
-        farthest = max(farthest, (float(truth.distances_m(np.array([other.goals[0]]))[0]), task.instruction))
-        if farthest[0] > 2 * VLN_RADIUS_M:
+        if task.instruction != episode.instruction:
             return task.instruction
-    if not farthest[1]:
-        raise UsageError(f"{episode.scene} has no instruction that leads elsewhere: leave its seed out.")
-    return farthest[1]
+    raise UsageError(f"{episode.scene} has only one instruction: leave its seed out.")
 
 
 def _last_noun(instruction: str) -> str:
