@@ -138,13 +138,14 @@ def _brick() -> Image:
 def _stone() -> Image:
     rng, size = rng_for("stone"), 192
     points, tones = rng.uniform(0, size, (28, 2)), rng.uniform(0.62, 0.95, 28)
-    y, x = np.mgrid[0:size, 0:size]
-    away_y = np.abs(y[None] - points[:, 0, None, None])
-    away_x = np.abs(x[None] - points[:, 1, None, None])
-    distance = np.hypot(np.minimum(away_y, size - away_y), np.minimum(away_x, size - away_x) * 0.7)
-    nearest = np.sort(distance, axis=0)
-    value = tones[distance.argmin(axis=0)] + 0.05 * noise(size, 32, 32, rng)
-    return to_image(np.where(nearest[1] - nearest[0] < 3, 0.42, value))
+    along = np.arange(size)
+    away_y = np.abs(along[None, :, None] - points[:, 0, None, None])
+    away_x = np.abs(along[None, None, :] - points[:, 1, None, None])
+    squared = np.minimum(away_y, size - away_y) ** 2 + (np.minimum(away_x, size - away_x) * 0.7) ** 2
+    nearest, first = squared.argmin(axis=0)[None], np.sqrt(squared.min(axis=0))
+    np.put_along_axis(squared, nearest, np.inf, axis=0)
+    value = tones[nearest[0]] + 0.05 * noise(size, 32, 32, rng)
+    return to_image(np.where(np.sqrt(squared.min(axis=0)) - first < 3, 0.42, value))
 
 
 def _wicker() -> Image:
@@ -203,10 +204,11 @@ def _floral() -> Image:
     for _ in range(16):
         cy, cx, petals = rng.uniform(0, size), rng.uniform(0, size), int(rng.integers(5, 8))
         dy, dx = (y - cy + size / 2) % size - size / 2, (x - cx + size / 2) % size - size / 2
-        radius = rng.uniform(7, 12) * (0.65 + 0.35 * np.cos(petals * np.arctan2(dy, dx)))
-        distance = np.hypot(dy, dx)
-        value = np.where(distance < radius, 0.5, value)
-        value = np.where(distance < 2.5, 1.0, value)
+        reach, distance = rng.uniform(7, 12), np.hypot(dy, dx)
+        near = np.nonzero(distance < reach)
+        petal = distance[near] < reach * (0.65 + 0.35 * np.cos(petals * np.arctan2(dy[near], dx[near])))
+        value[near[0][petal], near[1][petal]] = 0.5
+        value[distance < 2.5] = 1.0
     return to_image(value)
 
 

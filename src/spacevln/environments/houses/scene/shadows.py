@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import accumulate
 
 import numpy as np
 
@@ -42,9 +43,8 @@ def shadow_pieces(house: House) -> list[Piece]:
     rings: dict[tuple[int, int], list[Array]] = defaultdict(list)
     for item in house.items:
         if item.solid and abs(item.z - house.floors[house.rooms[item.room].floor].z_m) < _TOUCHING_M:
-            for level, outline in _outlines(item.parts):
-                for polygon in _polygons(item, outline):
-                    rings[item.room, level] += _on_ground(polygon, ground[item.room])
+            for level, polygons in _rings(item.parts):
+                rings[item.room, level] += _on_ground(polygons.placed(item), ground[item.room])
     return [
         _ring(polygons, house.floors[house.rooms[room].floor].z_m, house.styles[room][0], level, room)
         for (room, level), polygons in sorted(rings.items())
@@ -52,7 +52,34 @@ def shadow_pieces(house: House) -> list[Piece]:
     ]
 
 
+@dataclass(frozen=True, slots=True)
+class _Polygons:
+    """Convex polygons, counter-clockwise: all corners (N, 2), and where each polygon but the first begins."""
+
+    corners: Array
+    begins: tuple[int, ...]
+
+    def placed(self, item: Item) -> _Polygons:
+        """From an item's frame to the scene."""
+        c, s = math.cos(item.yaw_rad), math.sin(item.yaw_rad)
+        return _Polygons(self.corners @ np.array([[c, s], [-s, c]]) + (item.x, item.y), self.begins)
+
+    def each(self) -> list[Array]:
+        return [self.corners[i:j] for i, j in zip((0, *self.begins), (*self.begins, len(self.corners)), strict=True)]
+
+
 @lru_cache(maxsize=2048)
+def _rings(parts: tuple[Part, ...]) -> tuple[tuple[int, _Polygons], ...]:
+    """What fills an item's outlines and their rings, by level, in the item's frame."""
+    found: dict[int, list[Array]] = defaultdict(list)
+    for level, outline in _outlines(parts):
+        found[level] += _polygons(outline)
+    return tuple(
+        (level, _Polygons(np.concatenate(those), tuple(accumulate(len(one) for one in those[:-1]))))
+        for level, those in found.items()
+    )
+
+
 def _outlines(parts: tuple[Part, ...]) -> tuple[tuple[int, Outline], ...]:
     """The rings of an item's parts by level, without those that lie within another of their level."""
     found: dict[int, list[Outline]] = defaultdict(list)
@@ -94,55 +121,69 @@ def _largest(outlines: list[Outline]) -> list[Outline]:
     return kept
 
 
-def _polygons(item: Item, outline: Outline) -> list[Array]:
-    """Convex polygons (N, 2) in the scene, counter-clockwise, that fill an outline or its ring."""
+def _polygons(outline: Outline) -> list[Array]:
+    """Convex polygons (N, 2) in the item's frame, counter-clockwise, that fill an outline or its ring."""
     x, y, a, b, radius, breadth = outline
-    outer = _placed(item, x, y, a, b, radius, radius > 0.0)
+    outer = _corners(x, y, a, b, radius, radius > 0.0)
     if breadth == 0.0 or min(a, b) - breadth < _UNDER_M:
         return [outer]
-    inner = _placed(item, x, y, a - breadth, b - breadth, max(radius - breadth, 0.0), radius > 0.0)
+    inner = _corners(x, y, a - breadth, b - breadth, max(radius - breadth, 0.0), radius > 0.0)
     ends = [(k, (k + 1) % len(outer)) for k in range(len(outer))]
     return [np.stack([outer[k], outer[m], inner[m], inner[k]]) for k, m in ends]
 
 
-def _placed(item: Item, x: float, y: float, a: float, b: float, radius: float, rounded: bool) -> Array:
-    """Corners (N, 2) of a rectangle, rounded or not, in the scene, counter-clockwise."""
+def _corners(x: float, y: float, a: float, b: float, radius: float, rounded: bool) -> Array:
+    """Corners (N, 2) of a rectangle, rounded or not, counter-clockwise."""
     corners = []
     for quarter, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
         for c, s in _CORNER if rounded else _CORNER[:1]:
             for _ in range(quarter):
                 c, s = -s, c
             corners.append((x + sx * (a - radius) + c * radius, y + sy * (b - radius) + s * radius))
-    c, s = math.cos(item.yaw_rad), math.sin(item.yaw_rad)
-    return np.asarray(np.array(corners) @ np.array([[c, s], [-s, c]]) + (item.x, item.y))
+    return np.array(corners)
 
 
-def _on_ground(polygon: Array, ground: list[Rect]) -> list[Array]:
-    """The parts of a convex polygon on a room's floor: not in the next room, not over a stairwell."""
-    (x0, y0), (x1, y1) = polygon.min(axis=0), polygon.max(axis=0)
+def _on_ground(polygons: _Polygons, ground: list[Rect]) -> list[Array]:
+    """The parts of convex polygons on a room's floor: not in the next room, not over a stairwell."""
+    (x0, y0), (x1, y1) = polygons.corners.min(axis=0), polygons.corners.max(axis=0)
+    if any(rect.x0 <= x0 and x1 <= rect.x1 and rect.y0 <= y0 and y1 <= rect.y1 for rect in ground):
+        return polygons.each()
+    return [part for polygon in polygons.each() for part in _parts_on_ground(polygon, ground)]
+
+
+def _parts_on_ground(polygon: Array, ground: list[Rect]) -> list[Array]:
+    (x0, y0), (x1, y1) = polygon.min(axis=0).tolist(), polygon.max(axis=0).tolist()
     found = []
     for rect in ground:
         if rect.x0 <= x0 and x1 <= rect.x1 and rect.y0 <= y0 and y1 <= rect.y1:
             return [polygon]
         if x0 < rect.x1 and rect.x0 < x1 and y0 < rect.y1 and rect.y0 < y1:
-            cut = polygon
-            for axis, sign, limit in ((0, -1, -rect.x0), (0, 1, rect.x1), (1, -1, -rect.y0), (1, 1, rect.y1)):
-                cut = _cut(cut, axis, sign, limit)
+            cut: list[list[float]] = polygon.tolist()  # numbers of Python: arrays this small are slower
+            for axis, sign, limit, reach in (
+                (0, -1, -rect.x0, -x0),
+                (0, 1, rect.x1, x1),
+                (1, -1, -rect.y0, -y0),
+                (1, 1, rect.y1, y1),
+            ):
+                if reach > limit:
+                    cut = _cut(cut, axis, sign, limit)
             if len(cut) >= 3:
-                found.append(cut)
+                found.append(np.array(cut))
     return found
 
 
-def _cut(polygon: Array, axis: int, sign: int, limit: float) -> Array:
+def _cut(polygon: list[list[float]], axis: int, sign: int, limit: float) -> list[list[float]]:
     """The part of a convex polygon where ``sign * coordinate <= limit``."""
     kept = []
-    for p, q in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+    for k, q in enumerate(polygon):
+        p = polygon[k - 1]
         over_p, over_q = sign * p[axis] - limit, sign * q[axis] - limit
-        if over_p <= 0:
-            kept.append(p)
         if (over_p < 0 < over_q) or (over_q < 0 < over_p):
-            kept.append(p + (q - p) * (over_p / (over_p - over_q)))
-    return np.array(kept).reshape(-1, 2)
+            share = over_p / (over_p - over_q)
+            kept.append([p[0] + (q[0] - p[0]) * share, p[1] + (q[1] - p[1]) * share])
+        if over_q <= 0:
+            kept.append(q)
+    return kept
 
 
 def _ring(polygons: list[Array], z_m: float, key: str, level: int, room: int) -> Piece:
