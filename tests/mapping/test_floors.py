@@ -9,7 +9,7 @@ import pytest
 from worlds import Box, look, look_around, room
 
 from spacevln.core import Camera, Pose
-from spacevln.mapping import MetricMap
+from spacevln.mapping import Incline, MetricMap
 
 RISE, RUN, STEPS = 0.18, 0.27, 15
 FOOT_X, TOP_X, TOP_Z = 2.0, 2.0 + RUN * STEPS, RISE * STEPS
@@ -63,6 +63,29 @@ def test_stairs_ahead_are_no_obstacle_and_the_walls_beside_are() -> None:
     assert world_map.is_obstacle(treads).mean() < 0.05
     assert world_map.is_obstacle([(FOOT_X + 0.02, 0.53), (FOOT_X + 0.02, -0.53)]).any()
     assert world_map.geodesic_m((0, 0), (FOOT_X + 0.6, 0)) == pytest.approx(FOOT_X + 0.6, rel=0.05)
+
+
+@pytest.mark.parametrize("before_m", [0.3, 0.6, 0.9])
+def test_the_flight_that_is_being_taken_is_walked_on_even_where_its_foot_was_never_seen(before_m: float) -> None:
+    world_map = MetricMap()
+    foot = Pose(FOOT_X - before_m, 0.0)
+    from_the_side = [look(HOUSE, Pose(foot.x_m, 0.0, 0.0, yaw), CAMERA) for yaw in (-math.pi / 2, -math.pi / 3, math.pi / 3)]
+    for frame in from_the_side:
+        world_map.integrate(frame)
+    ahead = look(HOUSE, foot, CAMERA)
+    incline = Incline((foot.x_m, foot.y_m, 0.0), (TOP_X + 0.3, 0.0, TOP_Z))
+    assert world_map.sector_distance_m(ahead, 0.0, incline) > 1.5
+    assert world_map.obstacle_distances(ahead, incline).front_m >= world_map.obstacle_distances(ahead).front_m
+    post = look([*HOUSE, (FOOT_X + 0.3, -0.05, 0.0, FOOT_X + 0.4, 0.05, 1.6)], foot, CAMERA)
+    assert world_map.sector_distance_m(post, 0.0, incline) == pytest.approx(before_m + 0.3, abs=0.06)
+
+
+def test_an_incline_covers_its_own_width_and_length() -> None:
+    incline = Incline((0.0, 0.0, 0.0), (4.0, 0.0, 2.8))
+    heights = incline.heights_m(np.array([2.0, 2.0, 2.0, -0.1, 4.1]), np.array([0.0, 0.3, 0.5, 0.0, 0.0]))
+    assert heights[:2] == pytest.approx(1.4)
+    assert np.isnan(heights[2:]).all()
+    assert np.isnan(Incline((1.0, 1.0, 0.0), (1.0, 1.0, 2.0)).heights_m(np.array([1.0]), np.array([1.0]))).all()
 
 
 def test_every_forward_on_the_stairs_is_open() -> None:

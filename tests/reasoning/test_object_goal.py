@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 from plain_space import PlainSpace, context, seen
 
 from spacevln.core import Feedback, Frontier, ObjectGoalTask, PlannerReply, Pose, Sighting, StageEnd, StageRecord
@@ -13,7 +14,7 @@ from spacevln.language import FREE_FLOOR_M2, LOWER_STOREY, ROOM_SHARES, chance_i
 from spacevln.language.object_rooms import OBJECT_ROOMS, OPENS_ON
 from spacevln.reasoning.rules import RulePlanner
 from spacevln.reasoning.rules.beliefs import Beliefs
-from spacevln.reasoning.rules.instances import WITHIN_M, Match, instances, match, standing_place
+from spacevln.reasoning.rules.instances import WITHIN_M, Match, instances, match, obstacle_between, standing_place
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World
 
@@ -155,3 +156,41 @@ def test_a_place_farther_off_than_the_goals_reach_is_no_place_to_stand() -> None
     place = standing_place(boundary, world, lamp, state)
     assert place is not None
     assert float(lamp.distance_m(np.array([place]))[0]) <= WITHIN_M
+
+
+class Winding(PlainSpace):
+    """Rooms whose ways are three times the straight line, as around beds."""
+
+    def geodesic_m(self, a_xy_m: ArrayLike, b_xy_m: ArrayLike) -> float:
+        return 3.0 * super().geodesic_m(a_xy_m, b_xy_m)
+
+
+def test_what_was_seen_over_furniture_is_reached_around_it_but_not_through_a_wall() -> None:
+    space = Winding(ROOMS.free)
+    lamp_seen = seen("lamp", 3.0, -1.0, START)  # near the wall between the rooms, in the far one
+    boundary = context(ObjectGoalTask("lamp"), START, space, [*sightings(START), lamp_seen])
+    state = EpisodeState()
+    world = state.observe(boundary)
+    (lamp,) = instances(world, "lamp", Match.NAME)
+    place = standing_place(boundary, world, lamp, state)
+    assert place is not None
+    assert place[0] > 2.2
+    assert float(lamp.distance_m(np.array([place]))[0]) <= WITHIN_M
+    assert obstacle_between(boundary, (1.8, -1.0), (2.8, -1.0))
+    assert not obstacle_between(boundary, place, (2.8, -1.0))
+
+
+@pytest.mark.parametrize(("target", "vain"), [((-1.0, 0.0), 0), ((0.6, 0.0), 1)])
+def test_only_stages_that_stood_before_a_thing_were_in_vain(target: tuple[float, float], vain: int) -> None:
+    lamp_seen = seen("lamp", 1.5, 0.0, START)
+    state = EpisodeState()
+    world = state.observe(context(ObjectGoalTask("lamp"), START, ROOMS, [*sightings(START), lamp_seen]))
+    (lamp,) = instances(world, "lamp", Match.NAME)
+    subtask = plan("lamp", ("lamp", 1.5, 0.0)).subtask
+    state.sought, state.target, state.target_way_m = lamp.id, (0, target), 1.0
+    feedback = Feedback(subtask, StageRecord(START), (), StageEnd.STOP)
+    there = Pose(*target, 0.0, 0.0)
+    assert state.judge_last_stage(
+        context(ObjectGoalTask("lamp"), there, ROOMS, [], stage=1, feedback=feedback, last_subtask=subtask), 0
+    )
+    assert state.vain.get(lamp.id, 0) == vain

@@ -11,6 +11,7 @@ from spacevln.control import ControlSettings, validate_subtask
 from spacevln.core import (
     AdmissibleActions,
     Camera,
+    ExecutedDecision,
     ExecutorContext,
     Feedback,
     InstructionTask,
@@ -157,6 +158,19 @@ def test_the_executor_stays_inside_the_admissible_actions(admissible: Admissible
     for yaw in np.linspace(-3, 3, 9):
         reply = RuleExecutor().act(executor_context(Pose(0.0, 0.0, 0.0, float(yaw)), (4.5, 0.5), admissible))
         assert admissible.allows(reply.action)
+
+
+def test_what_the_body_slid_along_is_a_wall_on_that_side() -> None:
+    executor, target = RuleExecutor(), (-0.25, -0.25)
+    there = Pose(-0.85, -1.1, 0.0, 0.0)  # asked was a step ahead: something to the front left pushed to the right
+    assert isinstance(executor.act(executor_context(START, target, FREE)).action, TurnLeft)
+    step = ExecutedDecision(MoveForward(0.25), None, 0.18, 0.0, 1, False, True)
+    felt = replace(executor_context(there, target, FREE), progress=StageRecord(START, (step,)))
+    turn = executor.act(felt).action
+    unfelt = RuleExecutor().act(executor_context(there, target, FREE)).action
+    assert isinstance(unfelt, TurnLeft)
+    assert unfelt.angle_deg == pytest.approx(60.0)
+    assert turn != unfelt
 
 
 class TestRulePlanner(PlannerConformance):

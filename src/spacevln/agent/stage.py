@@ -21,12 +21,16 @@ from spacevln.core import (
     ExecutorReply,
     Feedback,
     Motion,
+    Pose,
     Sighting,
     StageEnd,
     StageRecord,
     Stop,
     Subtask,
 )
+from spacevln.mapping import Incline
+
+LEAST_RISE_M = 0.3  # to a place on a flight of stairs; less is the floor before it
 
 
 class Stage:
@@ -53,6 +57,7 @@ class Stage:
         self._settings, self._emit, self._clock = settings, emit, clock
         self._control = AdmissibleActionControl(body.spec, settings.control)
         self._record = StageRecord(start=body.pose)
+        self._incline = _incline(subtask, body.pose)
         self._terms = world.begin_stage(subtask, body.pose)
         floor, region = world.locate(body.pose)
         self._arrival = StageArrival(subtask, floor, region, settings.control)
@@ -135,7 +140,7 @@ class Stage:
     def _context(self) -> ExecutorContext:
         """I^E_t = (I_t, Omega_t, Lambda_t, sigma_k)."""
         observation = self._body.view
-        obstacles = self._world.obstacles(observation)
+        obstacles = self._world.obstacles(observation, self._incline)
         return ExecutorContext(
             observation=observation,
             obstacles=obstacles,
@@ -167,3 +172,11 @@ class Stage:
         motion, sightings = self._body.step(primitive, Phase.EXECUTE, self._terms)
         self._note(sightings)
         return motion
+
+
+def _incline(subtask: Subtask, pose: Pose) -> Incline | None:
+    """The way up or down, of a stage that takes a flight of stairs to a known place."""
+    target = subtask.target_m
+    if target is None or abs(target[2] - pose.z_m) <= LEAST_RISE_M:
+        return None
+    return Incline((pose.x_m, pose.y_m, pose.z_m), target)

@@ -23,7 +23,7 @@ from spacevln.core import (
     Subtask,
 )
 from spacevln.language import grounding_terms
-from spacevln.mapping import MetricMap
+from spacevln.mapping import Incline, MetricMap
 from spacevln.memory import BuildingMemory, HierarchicalSpatialMemory, LocalLandmarkMemory, SpatialCognitiveMemory
 from spacevln.perception import lift
 
@@ -64,9 +64,9 @@ class World:
         found = self._detector.detect(observations, terms)
         return [lift(observation, detections) for observation, detections in zip(observations, found, strict=True)]
 
-    def obstacles(self, observation: Observation) -> ObstacleDistances:
-        """Omega_t, map and depth fused."""
-        return self.map.obstacle_distances(observation)
+    def obstacles(self, observation: Observation, incline: Incline | None = None) -> ObstacleDistances:
+        """Omega_t, map and depth fused; what lies on the flight of stairs that is being taken is none."""
+        return self.map.obstacle_distances(observation, incline)
 
     def clearance_m(self, observation: Observation) -> float:
         """Distance to the nearest obstacle in the direction of an image of a look-around [m]."""

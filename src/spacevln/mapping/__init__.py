@@ -6,6 +6,7 @@ Stand-alone: needs ``spacevln.core`` only, no simulator and no agent.
 from spacevln.mapping.crops import MapCrop
 from spacevln.mapping.floors import StairConnector
 from spacevln.mapping.geodesics import GeodesicField
+from spacevln.mapping.incline import Incline
 from spacevln.mapping.metric_map import MetricMap
 
-__all__ = ["GeodesicField", "MapCrop", "MetricMap", "StairConnector"]
+__all__ = ["GeodesicField", "Incline", "MapCrop", "MetricMap", "StairConnector"]

@@ -17,6 +17,7 @@ from spacevln.mapping.crops import MapCrop, crop_floor
 from spacevln.mapping.floor_view import FloorView, points_xy
 from spacevln.mapping.floors import Floor, FloorTracker, StairConnector
 from spacevln.mapping.geodesics import GeodesicField
+from spacevln.mapping.incline import Incline
 from spacevln.mapping.integration import FrameWriter
 from spacevln.mapping.stairways import across_floors_m
 from spacevln.mapping.traces import Trace
@@ -254,15 +255,17 @@ class MetricMap:
 
     # -- obstacle distances ------------------------------------------------------------------------------------------------
 
-    def obstacle_distances(self, observation: Observation) -> ObstacleDistances:
+    def obstacle_distances(self, observation: Observation, incline: Incline | None = None) -> ObstacleDistances:
         """Omega_t: distance from the agent's centre to the nearest obstacle ahead and 30 degrees to either side [m].
 
         See :meth:`sector_distance_m`. The body touches it when it has moved the distance less ``agent_radius_m``.
         """
-        ahead, left, right = (self.sector_distance_m(observation, bearing) for bearing in (0.0, math.pi / 6, -math.pi / 6))
+        ahead, left, right = (
+            self.sector_distance_m(observation, bearing, incline) for bearing in (0.0, math.pi / 6, -math.pi / 6)
+        )
         return ObstacleDistances(front_m=ahead, left_30_m=left, right_30_m=right)
 
-    def sector_distance_m(self, observation: Observation, bearing_rad: float = 0.0) -> float:
+    def sector_distance_m(self, observation: Observation, bearing_rad: float = 0.0, incline: Incline | None = None) -> float:
         """Distance from the agent's centre to what its body would touch first in a direction [m], at most 5 m.
 
         The smaller of what the map (up to 2 m) and this depth image say: the front edge of a low thing leaves the image before
@@ -272,8 +275,9 @@ class MetricMap:
         Args:
             observation: image and pose of the moment; need not be integrated.
             bearing_rad: direction, egocentric, left positive.
+            incline: the flight of stairs that is being taken; what lies on it is no obstacle either.
         """
-        return sectors.body_distance_m(self._floor, observation, bearing_rad, self.agent_radius_m, self.resolution_m)
+        return sectors.body_distance_m(self._floor, observation, bearing_rad, self.agent_radius_m, self.resolution_m, incline)
 
     # -- pictures ----------------------------------------------------------------------------------------------------------
 

@@ -24,6 +24,7 @@ from spacevln.mapping.cells import (
     STAIR,
 )
 from spacevln.mapping.floors import ON_STAIRS_M, Floor
+from spacevln.mapping.incline import Incline
 from spacevln.mapping.projection import camera_view
 from spacevln.mapping.settling import TREAD_TOP_BIN
 
@@ -42,7 +43,12 @@ _BINS = 320
 
 
 def body_distance_m(
-    floor: Floor, observation: Observation, bearing_rad: float, agent_radius_m: float, resolution_m: float
+    floor: Floor,
+    observation: Observation,
+    bearing_rad: float,
+    agent_radius_m: float,
+    resolution_m: float,
+    incline: Incline | None = None,
 ) -> float:
     """See :meth:`spacevln.mapping.MetricMap.sector_distance_m`."""
     pose = observation.pose
@@ -50,13 +56,16 @@ def body_distance_m(
     direction = math.cos(angle), math.sin(angle)
     view = camera_view(observation, pose.x_m, pose.y_m)
     depth_m = np.ascontiguousarray(observation.depth_m, np.float32)
-    seen_m = depth_distance_m(depth_m, view, direction, agent_radius_m, _treads(floor, pose, resolution_m))
+    seen_m = depth_distance_m(depth_m, view, direction, agent_radius_m, _treads(floor, pose, resolution_m, incline))
     if abs(pose.z_m - floor.z_m) > ON_STAIRS_M:
         return float(min(DEPTH_REACH_M, seen_m))  # what stands on the floor left behind is over or under the agent
     reach = math.ceil(MAP_REACH_M / resolution_m) + 1
     i0, j0 = math.floor(pose.x_m / resolution_m) - reach, math.floor(pose.y_m / resolution_m) - reach
+    solid = floor.solid.window(i0, j0, 2 * reach, 2 * reach)
+    if incline is not None:
+        solid = np.where(np.isnan(_over_cells(incline, i0, j0, 2 * reach, resolution_m)), solid, 0).astype(np.uint8)
     map_m = resolution_m * map_distance_cells(
-        floor.solid.window(i0, j0, 2 * reach, 2 * reach),
+        solid,
         pose.x_m / resolution_m - i0,
         pose.y_m / resolution_m - j0,
         *direction,
@@ -67,14 +76,27 @@ def body_distance_m(
     return float(min(DEPTH_REACH_M, map_m, seen_m))
 
 
-def _treads(floor: Floor, pose: Pose, resolution_m: float) -> tuple[NDArray[np.uint8], NDArray[np.int8], int, float]:
-    """Windows of flags and tread heights around the agent; empty while the floor knows no stairs."""
-    if not floor.ground.tiles:
+def _over_cells(incline: Incline, i0: int, j0: int, cells: int, resolution_m: float) -> NDArray[np.float64]:
+    """Height of an incline over the cells of a square window [m]; NaN beside it."""
+    along = np.asarray((np.arange(cells) + 0.5) * resolution_m, np.float64)
+    return incline.heights_m((i0 * resolution_m + along)[:, None], (j0 * resolution_m + along)[None, :])
+
+
+def _treads(
+    floor: Floor, pose: Pose, resolution_m: float, incline: Incline | None
+) -> tuple[NDArray[np.uint8], NDArray[np.int8], int, float]:
+    """Windows of flags and tread heights around the agent; empty while no stairs are known."""
+    if not floor.ground.tiles and incline is None:
         return np.zeros((0, 0), np.uint8), np.zeros((0, 0), np.int8), 0, resolution_m
     reach = math.ceil(DEPTH_REACH_M / resolution_m)
     i0, j0 = math.floor(pose.x_m / resolution_m) - reach, math.floor(pose.y_m / resolution_m) - reach
     feet_bins = round((pose.z_m - floor.z_m) / HEIGHT_BIN_M)
     seen, ground = floor.seen.window(i0, j0, 2 * reach, 2 * reach), floor.ground.window(i0, j0, 2 * reach, 2 * reach)
+    if incline is not None:
+        heights_m = _over_cells(incline, i0, j0, 2 * reach, resolution_m) - floor.z_m
+        untold = ~np.isnan(heights_m) & (seen & STAIR == 0)
+        seen, ground = np.where(untold, seen | STAIR, seen), ground.copy()
+        ground[untold] = np.clip(np.round(heights_m[untold] / HEIGHT_BIN_M), -127, 127).astype(np.int8)
     return seen, ground, feet_bins, resolution_m
 
 

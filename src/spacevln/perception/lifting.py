@@ -207,7 +207,7 @@ def _profile(
     x0, y0, x1, y1 = box_px
     beside = max(2, (x1 - x0) // 12)
     first, last = max(x0 - beside, 0), min(x1 + beside, depth_m.shape[1])
-    third = max(1, (y1 - y0) // 3)
+    third = (y1 - y0) // 3
     rows = np.arange(y0 + third, max(y1 - third, y0 + third + 1))
     rows = rows[:: max(1, len(rows) // 9)]
     band = depth_m[rows, first:last].astype(np.float64)

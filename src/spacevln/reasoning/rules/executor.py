@@ -14,6 +14,7 @@ from spacevln.core import (
     ExecutorThought,
     LandmarkCandidate,
     MoveForward,
+    Pose,
     Stop,
     TurnLeft,
     TurnPurpose,
@@ -28,7 +29,7 @@ Float = NDArray[np.float64]
 TURN_BACK_DEG = 120.0
 TURNS_BACK = 1  # more of them in a stage gain nothing
 SHORT_M = 0.1  # of a forward
-BUMP_M = (0.15, 0.05)  # ahead of the body's centre, and to both sides
+BUMP_M, BUMP_ACROSS_M = 0.15, (-0.1, -0.05, 0.0, 0.05, 0.1)  # from the body's centre to what it touches, and along that
 BEFORE_LANDMARK_M = 0.12  # a landmark's arrival is not the target's: one goes as near as one gets
 OTHER_STOREY_M = 0.5
 STEP_UP_M = 0.2  # of a stair: on the last one the flight is not over
@@ -44,6 +45,7 @@ class RuleExecutor:
     def __init__(self, gait: Gait | None = None) -> None:
         self._gait = gait or Gait()
         self._bumps: list[tuple[float, float, float]] = []
+        self._from = Pose(0.0, 0.0, 0.0, 0.0)  # where the last decision was made
 
     def reset(self) -> None:
         """Forget the episode."""
@@ -69,18 +71,22 @@ class RuleExecutor:
         return _reply(context, action, purpose, candidate, f"target {remaining:.2f} m away: {describe(action)}")
 
     def _feel(self, context: ExecutorContext) -> None:
-        """A forward that fell short hit something: low things close to the body are below the image."""
+        """What kept a forward from its way lies on the side to which the body did not move; slid along, it is a wall's.
+
+        Low things close to the body are below the image: nothing but this tells of them.
+        """
         last = context.progress.decisions[-1] if context.progress.decisions else None
-        if (
-            last is None
-            or not isinstance(last.asked, MoveForward)
-            or last.primitives * self._gait.step_m - last.moved_m < SHORT_M
-        ):
+        before, pose = self._from, context.observation.pose
+        self._from = pose
+        if last is None or not isinstance(last.asked, MoveForward):
             return
-        pose = context.observation.pose
-        ahead = np.array([math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)])
-        for across in (-BUMP_M[1], 0.0, BUMP_M[1]):
-            x, y = pose.xy_m + BUMP_M[0] * ahead + across * np.array([-ahead[1], ahead[0]])
+        asked = last.primitives * self._gait.step_m * np.array([math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)])
+        missing = asked - (pose.xy_m - before.xy_m)
+        if math.hypot(*missing) < SHORT_M:
+            return
+        towards = missing / math.hypot(*missing)
+        for across in BUMP_ACROSS_M:
+            x, y = pose.xy_m + BUMP_M * towards + across * np.array([-towards[1], towards[0]])
             self._bumps.append((float(x), float(y), pose.z_m))
 
     def _follow(self, context: ExecutorContext, target: Float, near_m: float) -> tuple[Action, TurnPurpose | None]:

@@ -13,14 +13,16 @@ from spacevln.language import head_noun
 from spacevln.perception.attributes import Agreement
 from spacevln.perception.matching import fit
 from spacevln.reasoning.rules.sightings import XY, Thing
-from spacevln.reasoning.rules.state import EpisodeState
+from spacevln.reasoning.rules.state import BEFORE_M, EpisodeState
 from spacevln.reasoning.rules.world import World
 
 STAND_OFF_M = 0.65  # from a goal's nearest surface
 AT_GOAL_M = 0.75
-FAR_M = 1.3  # from a thing's surface: more than a table between
 DETOUR_M = 0.6  # beyond the straight line: something as long as a wall lies between
+OF_ITSELF_M = 0.2  # before its surface the map may be a thing's own
+LINE_STEP_M = 0.05
 WITHIN_M = 0.95  # of a goal's nearest surface; farther off is not at it
+AROUND_M = 1.6  # from there one sees where one can stand nearer; once
 ROUND = 1.5  # times the straight line, that an unknown way measures
 STOOD_M = 0.35  # around a place from which the goal was not confirmed
 KIND_STEPS = 70  # another kind of the goal's genus does when no more steps are left
@@ -84,8 +86,23 @@ def _before(context: PlannerContext, thing: Thing) -> XY | None:
     return None
 
 
+def obstacle_between(context: PlannerContext, a: XY, b: XY) -> bool:
+    """Whether an obstacle is known on the line from a place to another."""
+    along = np.arange(0.0, 1.0, LINE_STEP_M / max(math.dist(a, b), LINE_STEP_M))[:, None]
+    return bool(context.space.is_obstacle(np.array(a) + along * (np.array(b) - np.array(a))).any())
+
+
 def _on_its_side(context: PlannerContext, thing: Thing, xy: XY) -> bool:
-    """Whether a place lies on the side of a wall from which a thing was seen: no long way around to the floor before it."""
+    """Whether a place lies on the side of a wall from which a thing was seen.
+
+    That is so where nothing but air is between, as beside a dresser that was seen over a bed; or where the floor before the
+    thing is no long way around, as at a table that it stands on.
+    """
+    face = min(thing.surface or [thing.xy], key=lambda point: math.dist(point, xy))
+    reach = math.dist(xy, face)
+    short = max(0.0, 1.0 - OF_ITSELF_M / max(reach, OF_ITSELF_M))
+    if not obstacle_between(context, xy, (xy[0] + short * (face[0] - xy[0]), xy[1] + short * (face[1] - xy[1]))):
+        return True
     before = _before(context, thing)
     if before is None:
         return True
@@ -112,7 +129,7 @@ def standing_place(context: PlannerContext, world: World, thing: Thing, state: E
         before is not None
         and not state.failed(world.floor, before)
         and not state.spent(world.floor, before)
-        and float(thing.distance_m(np.array([before]))[0]) > FAR_M
+        and float(thing.distance_m(np.array([before]))[0]) > BEFORE_M
         and context.pose.distance_m(*before) > STOOD_M
     ):
         return before  # the floor at its feet is not known yet
@@ -134,9 +151,10 @@ def standing_place(context: PlannerContext, world: World, thing: Thing, state: E
     for floor, xy in (*world.visited, *state.failures):
         if floor == world.floor:
             cost += 0.5 * (np.hypot(*(centres - np.array(xy)).T) < STOOD_M)
+    farthest_m = WITHIN_M if state.vain.get(thing.id) else AROUND_M
     for index in np.argsort(cost, kind="stable")[:60:4]:
         xy = (float(centres[index, 0]), float(centres[index, 1]))
-        reachable = distance[index] < 1.6 and math.isfinite(context.space.geodesic_m(context.pose.xy_m, centres[index]))
+        reachable = distance[index] < farthest_m and math.isfinite(context.space.geodesic_m(context.pose.xy_m, centres[index]))
         if reachable and _on_its_side(context, thing, xy):
             return xy
     return _towards(world, thing, state) or thing.front

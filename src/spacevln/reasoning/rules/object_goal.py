@@ -13,7 +13,7 @@ from spacevln.reasoning.rules.beliefs import Beliefs
 from spacevln.reasoning.rules.flights import STAIRS_SIGHT
 from spacevln.reasoning.rules.grid import NOWHERE, resampled
 from spacevln.reasoning.rules.heading import way_length_m
-from spacevln.reasoning.rules.instances import KIND_STEPS, WITHIN_M, Match, instances, standing_place
+from spacevln.reasoning.rules.instances import KIND_STEPS, WITHIN_M, Match, instances, obstacle_between, standing_place
 from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World
@@ -31,7 +31,6 @@ SIGHT = 0.5  # what each look for the steps of stairs leaves of their hope
 FAILED = 0.2  # what a failed stage leaves of a place's hope
 AROUND = 0.2  # and one that parts nothing
 GUESSED = 0.6  # and a portal whose threshold was not seen
-WALL_STEP_M = 0.05
 LOOKED_M = 0.9  # a place this near to a look-around hides nothing more
 OVERLOOKED_M = 1.5  # nor does a place beyond a portal in clear sight of one
 EDGE = 0.5  # a frontier shows a part of a room
@@ -138,14 +137,9 @@ def _stage_of(context: PlannerContext, quest: Quest, state: EpisodeState) -> Que
 def _looked(context: PlannerContext, world: World, xy: XY) -> bool:
     """Whether a look-around was made beside a place, with no wall between."""
     return any(
-        floor == world.floor and math.dist(xy, seen) < LOOKED_M and not _wall_between(context, seen, xy)
+        floor == world.floor and math.dist(xy, seen) < LOOKED_M and not obstacle_between(context, seen, xy)
         for floor, seen in world.visited
     )
-
-
-def _wall_between(context: PlannerContext, a: XY, b: XY) -> bool:
-    along = np.arange(0.0, 1.0, WALL_STEP_M / max(math.dist(a, b), WALL_STEP_M))[:, None]
-    return bool(context.space.is_obstacle(np.array(a) + along * (np.array(b) - np.array(a))).any())
 
 
 def _overlooked(context: PlannerContext, world: World, xy: XY) -> bool:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from spacevln.core import Anchor, PlannerContext, Pose, StageEnd
 from spacevln.reasoning.rules.flights import Crossing, Flight
 from spacevln.reasoning.rules.grid import FloorGrid, square_rad
@@ -17,6 +19,7 @@ REACHED_M = 0.7
 SPENT_M = 0.4
 SAME_PLACE_M = 0.8
 LEAST_GAIN_M = 0.6  # a stage that brings its target no nearer than this has failed
+BEFORE_M = 1.3  # from a thing's surface: who was sent no nearer did not stand before it
 
 
 @dataclass(slots=True)
@@ -108,13 +111,18 @@ class EpisodeState:
         near = aim_floor == floor and context.pose.distance_m(*aim) <= REACHED_M
         reached = near or (self.target_is_goal and context.feedback.end is StageEnd.ARRIVAL)
         nearer_m = self.target_way_m - way_length_m(context, aim) if aim_floor == floor else LEAST_GAIN_M
-        if self.sought is not None and (reached or nearer_m < LEAST_GAIN_M):
+        if self.sought is not None and ((reached and self._before(self.sought, aim)) or nearer_m < LEAST_GAIN_M):
             self.vain[self.sought] = self.vain.get(self.sought, 0) + 1
         if reached:
             self.reached.append(self.target)
         elif nearer_m < LEAST_GAIN_M:
             self.failures.append(self.target)
         return reached
+
+    def _before(self, number: int, xy: XY) -> bool:
+        """Whether a place lies before a thing, and not on the way to it."""
+        thing = next((thing for thing in self.sightings.things if thing.id == number), None)
+        return thing is None or float(thing.distance_m(np.array([xy]))[0]) <= BEFORE_M
 
     def on_the_way_to(self, floor: int, xy: XY) -> bool:
         """Whether the last stage headed for a place and neither reached it nor failed."""
