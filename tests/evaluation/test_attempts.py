@@ -18,6 +18,8 @@ from made_runs import plain_results, workers_of
 from spacevln.agent import NavigationAgent
 from spacevln.assembly import Configuration, ModelPair, PromptOptions
 from spacevln.core import Environment, EpisodeSpec, EventSink, InstructionTask, Pose, SpendingLimit, UsageError
+from spacevln.environments.houses.episodes import Grounds, route_episode
+from spacevln.environments.houses.house import build_house
 from spacevln.evaluation import attempt, datasets
 from spacevln.evaluation.attempt import Session
 from spacevln.evaluation.baselines import BLIND_FORWARDS
@@ -148,6 +150,17 @@ def test_probes_change_the_words_and_not_the_goal() -> None:
     assert last.instruction.startswith("Walk to the ")
     with pytest.raises(UsageError, match="houses-vln"):
         probe(house_episode("houses-objectnav-000003"), "swapped")
+
+
+def test_an_instruction_that_leads_elsewhere_ends_out_of_the_goals_radius() -> None:
+    episode = house_episode("houses-vln-000003")
+    assert episode.truth is not None
+    text = probe(episode, "elsewhere").instruction
+    grounds = Grounds(build_house(3))
+    others = [route_episode(grounds, seed, "dev") for seed in range(100, 106)]
+    (goal,) = [other.goals[0] for other in others if other.spec.task == InstructionTask(text or "")]
+    assert text != episode.instruction
+    assert episode.truth.distances_m(np.array([goal]))[0] > 3.0
 
 
 def test_the_reference_is_dense_and_keeps_its_ends() -> None:

@@ -85,7 +85,7 @@ data_options = option_group(
     click.option("--shard", callback=_shard, metavar="I/N", default=None, help="Only every N-th, from the I-th on."),
     click.option(
         "--probe",
-        type=click.Choice(["none", "swapped", "last-noun"]),
+        type=click.Choice(["none", "swapped", "elsewhere", "last-noun"]),
         default="none",
         help="Another instruction: does it matter?",
     ),

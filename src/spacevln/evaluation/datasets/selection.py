@@ -14,7 +14,7 @@ from spacevln.evaluation.datasets.paper import checked, paper_subset
 from spacevln.evaluation.datasets.sequence import EpisodeSequence
 from spacevln.evaluation.stored import VERSION, stored_suite
 
-Probe = Literal["none", "swapped", "last-noun"]
+Probe = Literal["none", "swapped", "elsewhere", "last-noun"]
 HOUSES_SUITES = ("houses-vln", "houses-objectnav")
 BENCHMARKS = ("r2r-ce", "rxr-ce", "hm3d-ovon", "gn-bench")
 SUITES = (*HOUSES_SUITES, *BENCHMARKS)
