@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spacevln.core import Pose, PrerequisiteError, UsageError
-from spacevln.environments.habitat.frame import (
+from spacevln.environments.bridge.frame import (
     points_from_habitat,
     points_to_habitat,
     pose_from_habitat,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from spacevln.core import Action, Pose, Stop
-from spacevln.environments.habitat.frame import points_from_habitat
+from spacevln.environments.bridge.frame import points_from_habitat
 from spacevln.evaluation.judging import Verdict, judge
 from spacevln.evaluation.truth import Annotations, MeasuredTruth, Points
 

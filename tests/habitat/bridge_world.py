@@ -17,8 +17,8 @@ import pytest
 pytest.importorskip("msgpack", reason="`make test` installs it")
 
 from spacevln.core import EpisodeSpec, InstructionTask
+from spacevln.environments.bridge.frame import pose_from_habitat
 from spacevln.environments.habitat.environment import HabitatEnvironment
-from spacevln.environments.habitat.frame import pose_from_habitat
 from spacevln.environments.habitat.setup import HabitatSetup
 
 HERE = Path(__file__).parent

@@ -17,7 +17,7 @@ from spacevln_bridge import channel, messages
 
 from spacevln.assembly import Configuration
 from spacevln.core import EnvironmentFailure, EpisodeSpec, InstructionTask, MoveForward, PrerequisiteError, TurnLeft
-from spacevln.environments.habitat import process
+from spacevln.environments.bridge import worker
 from spacevln.environments.habitat.environment import HabitatEnvironment
 from spacevln.environments.habitat.setup import HabitatSetup
 from spacevln.evaluation import datasets
@@ -100,7 +100,7 @@ def test_garbage_is_one_error_at_either_end(garbage: bytes) -> None:
 def test_a_client_that_talks_nonsense_does_not_leave_the_worker_behind(world: HabitatEnvironment) -> None:
     world.reset(episode())
     worker = world.simulator.worker
-    worker._ours.sendall(b"nonsense that is longer than a header")
+    worker._channel._socket.sendall(b"nonsense that is longer than a header")
     with pytest.raises(EnvironmentFailure, match=r"lost in Act"):
         world.execute(TurnLeft())
     assert gone(worker.pid)
@@ -109,7 +109,7 @@ def test_a_client_that_talks_nonsense_does_not_leave_the_worker_behind(world: Ha
 def test_another_version_is_refused_with_both_numbers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     use_standin(monkeypatch, "0.3.4")
     monkeypatch.setattr(messages, "PROTOCOL", messages.PROTOCOL + 1)
-    with pytest.raises(EnvironmentFailure, match=r"protocol 1, the client 2"):
+    with pytest.raises(EnvironmentFailure, match=r"protocol 2, the client 3"):
         small(tmp_path).reset(episode())
 
 
@@ -117,7 +117,7 @@ def test_full_shared_memory_is_noticed_before_anything_starts(monkeypatch: pytes
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(process.os, "posix_fallocate", full)
+    monkeypatch.setattr(worker.os, "posix_fallocate", full)
     before = len(list(Path("/proc/self/fd").iterdir()))
     with pytest.raises(EnvironmentFailure, match=r"No space left on device"):
         small(tmp_path).reset(episode())

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 from spacevln.cli.houses import houses
 from spacevln.core.geometry import Float
-from spacevln.environments.habitat.labels import label_of
+from spacevln.environments.bridge.labels import label_of
 from spacevln.environments.houses.export import placed
 from spacevln.environments.houses.habitat_export import export_for_habitat, semantic_colour
 from spacevln.environments.houses.house import build_house

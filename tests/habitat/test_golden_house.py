@@ -11,7 +11,7 @@ from golden_house import golden_house
 
 from spacevln.core import Pose
 from spacevln.core.geometry import Float
-from spacevln.environments.habitat.frame import pose_from_habitat
+from spacevln.environments.bridge.frame import pose_from_habitat
 from spacevln.environments.houses.ground.walkable import Walkable
 from spacevln.environments.houses.walking.geodesics import Geodesics
 from spacevln.environments.houses.walking.motion import Body

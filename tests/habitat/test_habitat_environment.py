@@ -9,8 +9,8 @@ import pytest
 from bridge_world import DATA, RECORDS, SCENE, VERSIONS, episode, setup, small, use_standin
 
 from spacevln.core import Action, EpisodeSpec, InstructionTask, MoveForward, Stop, TurnLeft, TurnRight
+from spacevln.environments.bridge.frame import pose_from_habitat, pose_to_habitat
 from spacevln.environments.habitat.environment import HabitatEnvironment
-from spacevln.environments.habitat.frame import pose_from_habitat, pose_to_habitat
 from spacevln.testing.environment import EnvironmentConformance
 
 ACTIONS: dict[int, Action] = {0: Stop(), 1: MoveForward(), 2: TurnLeft(), 3: TurnRight()}

@@ -37,7 +37,7 @@ def habitat_findings(options: dict[str, Any], suite: str, data: Path | None) -> 
     if importlib.util.find_spec("spacevln_bridge") is None or importlib.util.find_spec("msgpack") is None:
         yield Finding("missing", "the bridge to Habitat-Sim", "pip install 'spacevln[habitat]'")
         return
-    from spacevln.environments.habitat.remote import connect
+    from spacevln.environments.bridge.remote import connect
 
     try:
         worker = connect(python_of(options["habitat_python"]), PROBE_PX)

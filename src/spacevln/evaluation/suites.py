@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from spacevln.core import RecordError
-from spacevln.environments.habitat.frame import points_to_habitat, pose_to_habitat
+from spacevln.environments.bridge.frame import points_to_habitat, pose_to_habitat
 from spacevln.environments.houses.episodes import (
     Grounds,
     HouseEpisode,

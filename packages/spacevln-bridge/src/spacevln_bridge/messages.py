@@ -1,4 +1,6 @@
-"""What client and worker say to each other. Frame: Habitat's (x right, y up, -z forward), metres; rotations are [x, y, z, w].
+"""What client and worker say to each other, whichever simulator the worker runs.
+
+Frame: Habitat's (x right, y up, -z forward), metres; rotations are [x, y, z, w].
 
 Point arrays travel as bytes of little-endian float64, (N, 3) row by row (:func:`pack`, :func:`unpack`).
 """
@@ -11,7 +13,7 @@ from typing import Any, Dict, Tuple, Type, Union, get_type_hints
 
 import numpy as np
 
-PROTOCOL = 1
+PROTOCOL = 2
 """Raised by every change of a message; both ends must have the same."""
 
 Vector = Tuple[float, ...]
@@ -23,10 +25,11 @@ class MessageError(ValueError):
 
 @dataclass(frozen=True)
 class Hello:
-    """Client, first: which protocol, and over TCP the token."""
+    """Client, first: which protocol, over TCP the token, and which simulator, "habitat" or "gn-bench"."""
 
     protocol: int
     token: str
+    simulator: str
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,7 @@ class Pong:
 
 @dataclass(frozen=True)
 class Open:
-    """Client: load a scene. Everything that decides what an episode in it is like is said here.
+    """Client: load a scene in Habitat-Sim. Everything that decides what an episode in it is like is said here.
 
     ``scene_dataset`` and ``cache`` may be empty: no scene dataset; navigation meshes are not kept. ``labels`` asks for
     the semantic sensor.
@@ -93,6 +96,31 @@ class Opened:
 
 
 @dataclass(frozen=True)
+class OpenSplats:
+    """Client: load a scene of Gaussian splats, a folder, in GN-Bench's simulator.
+
+    ``hfov_deg`` is the horizontal field of view as it is drawn.
+    """
+
+    scene: str
+    width_px: int
+    height_px: int
+    hfov_deg: float
+    camera_height_m: float
+    step_m: float
+    turn_deg: float
+    gpu_device: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class SplatsOpened:
+    """Worker: the scene is loaded."""
+
+    gaussians: int
+
+
+@dataclass(frozen=True)
 class Place:
     """Client: put the body here; nothing is snapped."""
 
@@ -119,7 +147,6 @@ class View:
     camera_position: Vector
     camera_rotation: Vector
     collided: bool
-    navigable: bool
     image: bytes
 
 
@@ -176,7 +203,8 @@ class Bye:
 
 
 Message = Union[
-    Hello, Welcome, Ping, Pong, Open, Opened, Place, Act, View, Distances, Path, Moves, Numbers, Points, Failed, Bye
+    Hello, Welcome, Ping, Pong, Open, Opened, OpenSplats, SplatsOpened, Place, Act, View,
+    Distances, Path, Moves, Numbers, Points, Failed, Bye,
 ]  # fmt: skip
 KINDS: Dict[str, Type[Any]] = {kind.__name__: kind for kind in Message.__args__}  # type: ignore[attr-defined]
 _TYPES: Dict[str, Dict[str, Any]] = {name: get_type_hints(kind) for name, kind in KINDS.items()}

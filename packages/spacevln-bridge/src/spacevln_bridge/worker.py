@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import ctypes
+import dataclasses
 import hmac
 import os
 import platform
@@ -15,7 +16,7 @@ from typing import Any, Callable, Dict, List, Optional
 from spacevln_bridge import messages as say
 from spacevln_bridge.channel import Channel, ChannelClosed, ChannelError
 from spacevln_bridge.images import block_bytes, shared_block, views
-from spacevln_bridge.simulator import Simulator, SimulatorError, load_habitat
+from spacevln_bridge.simulator import MeasuringSimulator, Simulator, SimulatorError, load_package, simulator_of
 
 TOKEN_VARIABLE = "SPACEVLN_BRIDGE_TOKEN"  # noqa: S105 - the name of a variable
 GREETING_S = 10.0
@@ -40,12 +41,12 @@ class Session:
         self._answers: Dict[type, Callable[[Any], say.Message]] = {
             say.Ping: lambda _: say.Pong(),
             say.Open: self._open,
+            say.OpenSplats: self._open,
             say.Place: lambda asked: self._seen(simulator.place(asked.position, asked.rotation)),
             say.Act: lambda asked: self._seen(simulator.act(asked.action)),
-            say.Distances: lambda asked: say.Numbers(simulator.distances(say.unpack(asked.positions), say.unpack(asked.targets))),
-            say.Path: lambda asked: say.Points(say.pack(simulator.path(asked.start, say.unpack(asked.targets)))),
-            say.Moves: lambda asked: say.Numbers(simulator.moves(asked.start, say.unpack(asked.ends), say.unpack(asked.targets))),
         }
+        if isinstance(simulator, MeasuringSimulator):
+            self._answers.update(_measurements(simulator))
 
     def serve(self) -> None:
         """Answer until the client says goodbye.
@@ -62,16 +63,16 @@ class Session:
     def _answer(self, asked: say.Message) -> say.Message:
         answer = self._answers.get(type(asked))
         if answer is None:
-            return say.Failed("usage", f"{type(asked).__name__} is no request.")
+            return say.Failed("usage", f"{type(asked).__name__} is no request of {type(self._simulator).__name__}.")
         try:
             return answer(asked)
         except SimulatorError as error:
             return say.Failed(error.kind, str(error))
         except Exception as error:  # noqa: BLE001 - the boundary to foreign code
-            return say.Failed("simulator", f"Habitat-Sim failed in {type(asked).__name__}: {type(error).__name__}: {error}")
+            return say.Failed("simulator", f"The simulator failed in {type(asked).__name__}: {type(error).__name__}: {error}")
 
-    def _open(self, asked: say.Open) -> say.Message:
-        opened = self._simulator.open(asked)
+    def _open(self, asked: Any) -> say.Message:
+        opened: say.Message = self._simulator.open(asked)
         size = (asked.width_px, asked.height_px)
         if size != self._size:
             shared = self._descriptor is not None
@@ -83,16 +84,23 @@ class Session:
         self._simulator.draw(*views(self._block, *self._size))
         if self._descriptor is not None:
             return view
-        fields = {name: getattr(view, name) for name in view.__dataclass_fields__}
-        return say.View(**{**fields, "image": bytes(self._block)})
+        return dataclasses.replace(view, image=bytes(self._block))
 
 
-def greet(channel: Channel, token: str) -> bool:
-    """Exchange versions; whether the client may go on."""
+def _measurements(simulator: MeasuringSimulator) -> Dict[type, Callable[[Any], say.Message]]:
+    return {
+        say.Distances: lambda asked: say.Numbers(simulator.distances(say.unpack(asked.positions), say.unpack(asked.targets))),
+        say.Path: lambda asked: say.Points(say.pack(simulator.path(asked.start, say.unpack(asked.targets)))),
+        say.Moves: lambda asked: say.Numbers(simulator.moves(asked.start, say.unpack(asked.ends), say.unpack(asked.targets))),
+    }
+
+
+def greet(channel: Channel, token: str) -> Optional[say.Hello]:
+    """Exchange versions; what the client said, None if it may not go on."""
     hello = channel.receive(GREETING_S)
     if not isinstance(hello, say.Hello) or not hmac.compare_digest(hello.token.encode(), token.encode()):
         channel.send(say.Failed("usage", f"The token is wrong: set the worker's {TOKEN_VARIABLE} at the client too."))
-        return False
+        return None
     if hello.protocol != say.PROTOCOL:
         channel.send(
             say.Failed(
@@ -100,13 +108,13 @@ def greet(channel: Channel, token: str) -> bool:
                 f"The worker speaks protocol {say.PROTOCOL}, the client {hello.protocol}: install one version at both ends.",
             )
         )
-        return False
-    return True
+        return None
+    return hello
 
 
 def main(arguments: Optional[List[str]] = None) -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(prog="spacevln_bridge", description="Runs Habitat-Sim for spacevln.")
+    parser = argparse.ArgumentParser(prog="spacevln_bridge", description="Runs a simulator for spacevln.")
     parser.add_argument("--channel", type=int, help="descriptor of an inherited, connected socket")
     parser.add_argument("--block", type=int, help="descriptor of an inherited shared-memory file for images")
     parser.add_argument("--listen", metavar="[HOST:]PORT", help="serve clients over TCP, one at a time")
@@ -122,29 +130,39 @@ def main(arguments: Optional[List[str]] = None) -> None:
 
 
 def _serve(connections: Any, token: str, block: Optional[int]) -> None:
-    simulator: Optional[Simulator] = None
+    running: Dict[str, Simulator] = {}  # one at most
     for connection in connections:
         channel = Channel(connection)
         try:
-            if not greet(channel, token):
-                continue
-            try:
-                habitat = load_habitat()
-            except SimulatorError as error:
-                channel.send(say.Failed(error.kind, str(error)))
-                continue
-            version = str(getattr(habitat, "__version__", "unknown"))
-            channel.send(say.Welcome(say.PROTOCOL, platform.python_version(), version, os.getpid()))
-            simulator = simulator or Simulator(habitat)
-            Session(channel, simulator, block).serve()
+            hello = greet(channel, token)
+            if hello is not None:
+                simulator = _begin(channel, hello.simulator, running)
+                if simulator is not None:
+                    Session(channel, simulator, block).serve()
         except ChannelClosed:
             continue
         except ChannelError as error:
             sys.stderr.write(f"spacevln_bridge: the client cannot be served any longer: {error}\n")
         finally:
             channel.close()
-    if simulator is not None:
+    for simulator in running.values():
         simulator.close()
+
+
+def _begin(channel: Channel, name: str, running: Dict[str, Simulator]) -> Optional[Simulator]:
+    """Welcome a client with the simulator that it names, or tell it why not."""
+    try:
+        if running and name not in running:
+            raise SimulatorError("usage", f"This worker runs {next(iter(running))!r}, not {name!r}: start another one.")
+        package = load_package(name)
+    except SimulatorError as error:
+        channel.send(say.Failed(error.kind, str(error)))
+        return None
+    version = str(getattr(package, "__version__", "unknown"))
+    channel.send(say.Welcome(say.PROTOCOL, platform.python_version(), version, os.getpid()))
+    if name not in running:
+        running[name] = simulator_of(name, package)
+    return running[name]
 
 
 def _clients(address: str) -> Any:

@@ -10,8 +10,8 @@ from spacevln_bridge import messages as say
 
 from spacevln.core.actions import Action, MoveForward, Stop, TurnLeft, TurnRight
 from spacevln.core.geometry import Float, Pose
-from spacevln.environments.habitat.frame import points_from_habitat, points_to_habitat
-from spacevln.environments.habitat.simulator import HabitatSimulator
+from spacevln.environments.bridge.frame import points_from_habitat, points_to_habitat
+from spacevln.environments.bridge.simulator import BridgedSimulator
 
 ARRIVAL_M = 0.25
 """The follower stops strictly below this distance, as VLN-CE's ground-truth follower and OVON's view points want it."""
@@ -27,7 +27,7 @@ class SceneGeodesics:
         scene: name, relative to the folder of scenes.
     """
 
-    def __init__(self, simulator: HabitatSimulator, scene: str) -> None:
+    def __init__(self, simulator: BridgedSimulator, scene: str) -> None:
         self._simulator = simulator
         self._scene = scene
         self._known: dict[tuple[bytes, bytes], float] = {}

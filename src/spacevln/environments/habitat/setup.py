@@ -3,56 +3,61 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
 
-from spacevln.core.interfaces import EnvironmentSpec
-from spacevln.core.sensing import Camera
+from spacevln_bridge import messages as say
+
+from spacevln.environments.bridge.setup import BridgeSetup
 
 
-@dataclass(frozen=True, slots=True)
-class HabitatSetup:
-    """How to run Habitat-Sim (docs/habitat.md explains each choice).
+@dataclass(frozen=True, kw_only=True)
+class HabitatSetup(BridgeSetup):
+    """How to run Habitat-Sim (docs/habitat.md explains each choice), beside what every simulator is told.
 
     Args:
-        python: interpreter that has habitat_sim, or ``tcp://HOST:PORT`` of a worker that listens.
-        scenes: folder that the datasets' scene names are relative to.
         scene_dataset: a scene dataset configuration; empty for none.
         cache: folder for navigation meshes; empty to compute them anew each time.
-        width_px, height_px, hfov_deg, camera_height_m: the camera, over the agent's feet.
         agent_height_m, agent_radius_m, cell_size_m, cell_height_m, max_climb_m, max_slope_deg: the navigation mesh, which is
             always computed with these values, whatever lies beside the scene.
-        step_m, turn_deg: primitives.
         sliding: slide along obstacles, or stop at contact.
-        depth_min_m, depth_max_m: measurements outside are none.
-        gpu_device: number of the graphics card; -1 for software rendering.
-        seed: of the simulator.
         labels: ask for the scene's semantic annotations, which the label detector reads.
     """
 
-    python: str
-    scenes: str
+    simulator: ClassVar[str] = "habitat"
+    title: ClassVar[str] = "Habitat-Sim"
+
     scene_dataset: str = ""
     cache: str = ""
-    width_px: int = 640
-    height_px: int = 480
-    hfov_deg: float = 79.0
-    camera_height_m: float = 0.88
     agent_height_m: float = 0.88
     agent_radius_m: float = 0.1
     cell_size_m: float = 0.05
     cell_height_m: float = 0.2
     max_climb_m: float = 0.2
     max_slope_deg: float = 45.0
-    step_m: float = 0.25
-    turn_deg: float = 30.0
     sliding: bool = True
-    depth_min_m: float = 0.5
-    depth_max_m: float = 5.0
-    gpu_device: int = 0
-    seed: int = 0
     labels: bool = True
 
-    @property
-    def spec(self) -> EnvironmentSpec:
-        """What the body can do and see."""
-        camera = Camera(self.width_px, self.height_px, self.hfov_deg, self.camera_height_m)
-        return EnvironmentSpec(camera, step_m=self.step_m, turn_deg=self.turn_deg)
+    def request(self, scene: Path) -> say.Open:
+        """What asks for a scene."""
+        return say.Open(
+            scene=str(scene),
+            scene_dataset=self.scene_dataset,
+            cache=self.cache,
+            width_px=self.width_px,
+            height_px=self.height_px,
+            hfov_deg=self.hfov_deg,
+            camera_height_m=self.camera_height_m,
+            agent_height_m=self.agent_height_m,
+            agent_radius_m=self.agent_radius_m,
+            cell_size_m=self.cell_size_m,
+            cell_height_m=self.cell_height_m,
+            max_climb_m=self.max_climb_m,
+            max_slope_deg=self.max_slope_deg,
+            step_m=self.step_m,
+            turn_deg=self.turn_deg,
+            sliding=self.sliding,
+            gpu_device=self.gpu_device,
+            seed=self.seed,
+            labels=self.labels,
+        )

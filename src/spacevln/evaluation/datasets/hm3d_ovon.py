@@ -13,7 +13,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from spacevln.core import EpisodeSpec, ObjectGoalTask, PrerequisiteError
-from spacevln.environments.habitat.frame import points_from_habitat, pose_from_habitat
+from spacevln.environments.bridge.frame import points_from_habitat, pose_from_habitat
 from spacevln.evaluation.datasets.files import (
     DatasetError,
     FileRecord,

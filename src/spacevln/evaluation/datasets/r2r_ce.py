@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from spacevln.core import EpisodeSpec, InstructionTask
-from spacevln.environments.habitat.frame import points_from_habitat, pose_from_habitat
+from spacevln.environments.bridge.frame import points_from_habitat, pose_from_habitat
 from spacevln.evaluation.datasets.files import (
     DatasetError,
     FileRecord,

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from spacevln.core import EpisodeSpec, InstructionTask, UsageError
-from spacevln.environments.habitat.frame import pose_from_habitat
+from spacevln.environments.bridge.frame import pose_from_habitat
 from spacevln.evaluation.datasets.files import Identifier, refuse_duplicates, unknown_note
 from spacevln.evaluation.datasets.locate import locate_split
 from spacevln.evaluation.datasets.r2r_ce import (

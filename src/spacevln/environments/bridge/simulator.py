@@ -8,30 +8,32 @@ from pathlib import Path
 from spacevln_bridge import messages as say
 
 from spacevln.core.errors import ContractError, EnvironmentFailure, PrerequisiteError
-from spacevln.environments.habitat.process import ANSWER_S, OPEN_S, PING_S, Answer, Worker
-from spacevln.environments.habitat.remote import SCHEME, RemoteWorker, connect
-from spacevln.environments.habitat.setup import HabitatSetup
+from spacevln.environments.bridge.conversation import ANSWER_S, OPEN_S, PING_S, Answer, Conversation
+from spacevln.environments.bridge.remote import SCHEME, connect
+from spacevln.environments.bridge.setup import BridgeSetup
+
+Opened = say.Opened | say.SplatsOpened
 
 
-class HabitatSimulator:
-    """Habitat-Sim with one scene open, in a worker of its own.
+class BridgedSimulator:
+    """A simulator with one scene open, in a worker of its own.
 
     Args:
         setup: how.
         answer_s, open_s: how long a request, and opening a scene, may take.
     """
 
-    def __init__(self, setup: HabitatSetup, *, answer_s: float = ANSWER_S, open_s: float = OPEN_S) -> None:
+    def __init__(self, setup: BridgeSetup, *, answer_s: float = ANSWER_S, open_s: float = OPEN_S) -> None:
         self.setup = setup
         self._open_s = open_s
         self.starts = 0
-        self.opened: say.Opened | None = None
+        self.opened: Opened | None = None
         self._answer_s = answer_s
-        self._worker: Worker | RemoteWorker | None = None
+        self._worker: Conversation | None = None
         self._scene: str | None = None
 
     @property
-    def worker(self) -> Worker | RemoteWorker:
+    def worker(self) -> Conversation:
         """The running worker; started if there is none.
 
         Raises:
@@ -41,11 +43,11 @@ class HabitatSimulator:
         if self._worker is None or not self._worker.alive:
             self.close()
             size_px = (self.setup.width_px, self.setup.height_px)
-            self._worker = connect(self.setup.python, size_px, answer_s=self._answer_s)
+            self._worker = connect(self.setup.python, self.setup.simulator, size_px, answer_s=self._answer_s)
             self.starts += 1
         return self._worker
 
-    def open(self, scene: str) -> say.Opened:
+    def open(self, scene: str) -> Opened:
         """Load a scene unless it is open; a worker that no longer answers is replaced first.
 
         Raises:
@@ -59,28 +61,9 @@ class HabitatSimulator:
         if not (there or path.exists()):
             raise PrerequisiteError(f"Scene {str(path)!r} is missing: give the folder of all scenes with --scenes.")
         self._scene = None
-        request = say.Open(
-            scene=str(path if there else path.resolve()),
-            scene_dataset=setup.scene_dataset,
-            cache=setup.cache,
-            width_px=setup.width_px,
-            height_px=setup.height_px,
-            hfov_deg=setup.hfov_deg,
-            camera_height_m=setup.camera_height_m,
-            agent_height_m=setup.agent_height_m,
-            agent_radius_m=setup.agent_radius_m,
-            cell_size_m=setup.cell_size_m,
-            cell_height_m=setup.cell_height_m,
-            max_climb_m=setup.max_climb_m,
-            max_slope_deg=setup.max_slope_deg,
-            step_m=setup.step_m,
-            turn_deg=setup.turn_deg,
-            sliding=setup.sliding,
-            gpu_device=setup.gpu_device,
-            seed=setup.seed,
-            labels=setup.labels,
-        )
-        self.opened = self.worker.ask(request, say.Opened, self._open_s)
+        request = setup.request(path if there else path.resolve())
+        answer: type[Opened] = say.Opened if isinstance(request, say.Open) else say.SplatsOpened
+        self.opened = self.worker.ask(request, answer, self._open_s)
         self._scene = scene
         return self.opened
 
@@ -100,14 +83,14 @@ class HabitatSimulator:
             EnvironmentFailure: the simulator failed, or was lost before.
         """
         if self._worker is None or self._scene is None or not self._worker.alive:
-            raise EnvironmentFailure("Habitat-Sim's worker was lost: reset to an episode, which starts another.")
+            raise EnvironmentFailure(f"The worker of {self.setup.title} was lost: reset to an episode, which starts another.")
         return self._worker.ask(request, kind)
 
     @property
     def image(self) -> mmap.mmap | bytearray:
         """The shared image of the last view, which outlives the worker that drew it."""
         if self._worker is None:
-            raise ContractError("HabitatSimulator.image was read before a scene was open: open one first.")
+            raise ContractError("BridgedSimulator.image was read before a scene was open: open one first.")
         return self._worker.block
 
     def close(self) -> None:

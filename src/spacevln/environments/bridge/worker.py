@@ -10,38 +10,28 @@ import socket
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import IO, TypeVar
+from typing import IO
 
 import spacevln_bridge
 from spacevln_bridge import messages as say
-from spacevln_bridge.channel import Channel, ChannelError, ChannelLate
+from spacevln_bridge.channel import Channel, ChannelError
 from spacevln_bridge.images import block_bytes, shared_block
 
-from spacevln.core.errors import EnvironmentFailure, PrerequisiteError, UsageError
+from spacevln.core.errors import EnvironmentFailure, PrerequisiteError
+from spacevln.environments.bridge.conversation import ANSWER_S, START_S, Conversation
 
-START_S = 60.0
-"""How long the worker may take to import habitat_sim."""
-PING_S = 10.0
-"""How long an idle worker may take to answer."""
-OPEN_S = 900.0
-"""How long a scene and its navigation mesh may take; large buildings need minutes."""
-ANSWER_S = 60.0
-"""How long a step, a picture or a path may take."""
 END_S = 5.0
 """How long a worker may take to end by itself."""
 _ERROR_LINES = 3
 _ERROR_BYTES = 2000
 
-Answer = TypeVar("Answer")
 
-
-class Worker:
-    """A running worker. Any failure ends it: what it would answer later cannot be told from what was asked later.
-
-    It dies with the thread that made it, also if that is killed; use it in one thread.
+class Worker(Conversation):
+    """A worker process of this machine. It dies with the thread that made it, also if that is killed; use it in one thread.
 
     Args:
-        python: interpreter that has habitat_sim, numpy and msgpack.
+        python: interpreter that has the simulator, numpy and msgpack.
+        simulator: its name, "habitat" or "gn-bench".
         size_px: width and height of the images.
         answer_s: how long a request may take, other than opening a scene.
 
@@ -50,15 +40,14 @@ class Worker:
         EnvironmentFailure: it does not start, or there is no memory for images.
     """
 
-    def __init__(self, python: str, size_px: tuple[int, int], *, answer_s: float = ANSWER_S) -> None:
+    def __init__(self, python: str, simulator: str, size_px: tuple[int, int], *, answer_s: float = ANSWER_S) -> None:
         self._python = python
-        self._answer_s = answer_s
         self._errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the worker
-        self._ours, theirs = socket.socketpair()
-        self._channel = Channel(self._ours)
+        ours, theirs = socket.socketpair()
+        super().__init__(Channel(ours), answer_s)
         descriptor = -1
         try:
-            descriptor, self._block = _image_block(size_px)
+            descriptor, self.block = _image_block(size_px)
             self._process = self._start(theirs.fileno(), descriptor)
         except (PrerequisiteError, EnvironmentFailure):
             self._channel.close()
@@ -69,7 +58,7 @@ class Worker:
             if descriptor >= 0:
                 os.close(descriptor)
         self._ended = False
-        self.welcome: say.Welcome = self.ask(say.Hello(say.PROTOCOL, ""), say.Welcome, START_S)
+        self.welcome = self.ask(say.Hello(say.PROTOCOL, "", simulator), say.Welcome, START_S)
 
     @property
     def pid(self) -> int:
@@ -81,47 +70,14 @@ class Worker:
         """Whether it can be asked."""
         return not self._ended and self._process.poll() is None
 
-    @property
-    def block(self) -> mmap.mmap:
-        """The shared image; valid until the next Place or Act."""
-        return self._block
+    def _late(self, request: str, until_s: float) -> Exception:
+        self._give_up()
+        return EnvironmentFailure(
+            f"The simulator's worker did not answer {request} within {until_s:g} s and was ended: "
+            "see `spacevln doctor --habitat-python`."
+        )
 
-    def ask(self, request: say.Message, kind: type[Answer], deadline_s: float | None = None) -> Answer:
-        """The answer to a request.
-
-        Raises:
-            PrerequisiteError, UsageError: the worker says so.
-            EnvironmentFailure: the simulator failed, died, hung, or talked nonsense; the worker is ended.
-        """
-        until = deadline_s or self._answer_s
-        name = type(request).__name__
-        try:
-            self._channel.send(request, until)
-            answer = self._channel.receive(until)
-        except ChannelLate as error:
-            self._give_up()
-            raise EnvironmentFailure(
-                f"Habitat-Sim's worker did not answer {name} within {until:g} s and was ended: "
-                "see `spacevln doctor --habitat-python`."
-            ) from error
-        except ChannelError as error:
-            raise self._lost(name, str(error)) from error
-        if isinstance(answer, say.Failed):
-            raise self._refused(answer)
-        if not isinstance(answer, kind):
-            raise self._lost(name, f"it answered {type(answer).__name__}")
-        return answer
-
-    def _refused(self, answer: say.Failed) -> Exception:
-        error = refusal(answer)
-        if isinstance(error, PrerequisiteError):
-            self.close()
-        elif isinstance(error, EnvironmentFailure):
-            self._give_up()
-        return error
-
-    def _lost(self, name: str, how: str) -> Exception:
-        """What to raise when the worker is gone or not understood."""
+    def _lost(self, request: str, how: str) -> Exception:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout=1.0)
         code, said = self._process.poll(), self._last_words()
@@ -132,7 +88,7 @@ class Worker:
                 f"The simulator's Python has no {missing}: install it there with `{self._python} -m pip install {missing}`."
             )
         ended = "" if code is None else f", {_end_of(code)}"
-        return EnvironmentFailure(f"Habitat-Sim's worker was lost in {name} ({how}{ended}): {said or 'it said nothing'}.")
+        return EnvironmentFailure(f"The simulator's worker was lost in {request} ({how}{ended}): {said or 'it said nothing'}.")
 
     def _last_words(self) -> str:
         size = self._errors.seek(0, os.SEEK_END)
@@ -179,17 +135,6 @@ class Worker:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout=END_S)
         self._give_up()
-
-
-def refusal(answer: say.Failed) -> Exception:
-    """The error that a worker's answer stands for."""
-    match answer.kind:
-        case "prerequisite":
-            return PrerequisiteError(answer.sentence)
-        case "usage":
-            return UsageError(answer.sentence)
-        case _:
-            return EnvironmentFailure(answer.sentence)
 
 
 def _image_block(size_px: tuple[int, int]) -> tuple[int, mmap.mmap]:

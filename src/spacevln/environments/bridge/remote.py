@@ -7,22 +7,24 @@ import socket
 from urllib.parse import urlsplit
 
 from spacevln_bridge import messages as say
-from spacevln_bridge.channel import Channel, ChannelError
+from spacevln_bridge.channel import Channel
 from spacevln_bridge.images import block_bytes
 from spacevln_bridge.worker import TOKEN_VARIABLE
 
 from spacevln.core.errors import EnvironmentFailure, PrerequisiteError, UsageError
-from spacevln.environments.habitat.process import ANSWER_S, START_S, Answer, Worker, refusal
+from spacevln.environments.bridge.conversation import ANSWER_S, START_S, Answer, Conversation
+from spacevln.environments.bridge.worker import Worker
 
 SCHEME = "tcp://"
 CONNECT_S = 10.0
 
 
-class RemoteWorker:
+class RemoteWorker(Conversation):
     """A worker that ``python -m spacevln_bridge --listen`` started there, and that outlives its clients.
 
     Args:
         address: ``tcp://HOST:PORT``.
+        simulator: its name, "habitat" or "gn-bench".
         size_px: width and height of the images.
         answer_s: how long a request may take, other than opening a scene.
 
@@ -32,49 +34,38 @@ class RemoteWorker:
         EnvironmentFailure: what listens there does not speak the protocol.
     """
 
-    def __init__(self, address: str, size_px: tuple[int, int], *, answer_s: float = ANSWER_S) -> None:
-        self._address, self._answer_s = address, answer_s
+    block: bytearray
+    alive: bool
+
+    def __init__(self, address: str, simulator: str, size_px: tuple[int, int], *, answer_s: float = ANSWER_S) -> None:
+        self._address = address
         self.block = bytearray(block_bytes(*size_px))
         token = os.environ.get(TOKEN_VARIABLE, "")
         if not token:
             raise PrerequisiteError(
                 f"The worker at {address} wants a token: set {TOKEN_VARIABLE} to the one it was started with."
             )
-        self._channel = Channel(_connected(address))
+        super().__init__(Channel(_connected(address)), answer_s)
         self.alive = True
         try:
-            self.welcome: say.Welcome = self.ask(say.Hello(say.PROTOCOL, token), say.Welcome, START_S)
-        except UsageError:  # a wrong token: nobody will hold what could hang up later
+            self.welcome = self.ask(say.Hello(say.PROTOCOL, token, simulator), say.Welcome, START_S)
+        except UsageError:  # a wrong token or simulator: nobody will hold what could hang up later
             self.close()
             raise
 
     def ask(self, request: say.Message, kind: type[Answer], deadline_s: float | None = None) -> Answer:
-        """The answer to a request.
-
-        Raises:
-            PrerequisiteError, UsageError: the worker says so.
-            EnvironmentFailure: the simulator failed, or the connection was lost; it is closed.
-        """
-        until, name = deadline_s or self._answer_s, type(request).__name__
-        try:
-            self._channel.send(request, until)
-            answer = self._channel.receive(until)
-        except ChannelError as error:
-            self.close()
-            raise EnvironmentFailure(
-                f"The worker at {self._address} was lost in {name} ({error}): see whether it still runs."
-            ) from error
-        if isinstance(answer, say.Failed):
-            error_told = refusal(answer)
-            if not isinstance(error_told, UsageError):
-                self.close()
-            raise error_told
-        if not isinstance(answer, kind):
-            self.close()
-            raise EnvironmentFailure(f"The worker at {self._address} answered {name} with {type(answer).__name__}.")
+        """The answer to a request; a view's image is taken out of it."""
+        answer = super().ask(request, kind, deadline_s)
         if isinstance(answer, say.View):
             self.block[:] = answer.image
         return answer
+
+    def _late(self, request: str, until_s: float) -> Exception:
+        return self._lost(request, f"it did not answer within {until_s:g} s")
+
+    def _lost(self, request: str, how: str) -> Exception:
+        self.close()
+        return EnvironmentFailure(f"The worker at {self._address} was lost in {request} ({how}): see whether it still runs.")
 
     def close(self) -> None:
         """Hang up; may be called twice."""
@@ -82,10 +73,10 @@ class RemoteWorker:
         self._channel.close()
 
 
-def connect(where: str, size_px: tuple[int, int], *, answer_s: float = ANSWER_S) -> Worker | RemoteWorker:
-    """The worker in an interpreter, or at an address ``tcp://HOST:PORT``."""
+def connect(where: str, simulator: str, size_px: tuple[int, int], *, answer_s: float = ANSWER_S) -> Conversation:
+    """The worker of a simulator in an interpreter, or at an address ``tcp://HOST:PORT``."""
     kind = RemoteWorker if where.startswith(SCHEME) else Worker
-    return kind(where, size_px, answer_s=answer_s)
+    return kind(where, simulator, size_px, answer_s=answer_s)
 
 
 def _connected(address: str) -> socket.socket:
