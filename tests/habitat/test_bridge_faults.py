@@ -71,6 +71,39 @@ def test_a_stopped_worker_is_noticed_in_time(monkeypatch: pytest.MonkeyPatch, tm
     assert gone(pid)
 
 
+def begin_and_step(world: HabitatEnvironment) -> None:
+    world.reset(episode())
+    world.execute(MoveForward())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("moment", ["import", "open", "look", "step"])
+@pytest.mark.parametrize(
+    ("what", "told"),
+    [
+        ("kill", r"lost in \w+ \(.*SIGKILL"),
+        ("stop", r"did not answer \w+ within 2 s"),
+        ("garbage", r"lost in \w+ \(.*no message"),
+    ],
+)
+def test_whatever_happens_whenever_is_one_error_and_no_process_stays(
+    what: str, told: str, moment: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    use_standin(monkeypatch, "0.3.4", fault=f"{what}-{moment}")
+    monkeypatch.setattr(worker, "START_S", 2.0)
+    started: list[int] = []
+    start = worker.Worker._start
+    monkeypatch.setattr(worker.Worker, "_start", lambda self, *ends: (found := start(self, *ends), started.append(found.pid))[0])
+    before = len(list(Path("/proc/self/fd").iterdir()))
+    world = small(tmp_path, width_px=16, height_px=12, answer_s=2.0, open_s=2.0)
+    with pytest.raises(EnvironmentFailure, match=told):
+        begin_and_step(world)
+    assert len(started) == 1
+    assert gone(started[0])
+    world.close()
+    assert len(list(Path("/proc/self/fd").iterdir())) == before
+
+
 def test_a_scene_that_never_opens_is_given_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     use_standin(monkeypatch, "0.3.4", fault="hang")
     world = small(tmp_path, open_s=1.0)
@@ -137,6 +170,7 @@ def test_missing_things_are_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
         small(tmp_path).reset(EpisodeSpec("1", "mp3d/none.glb", episode().start, InstructionTask("go")))
 
 
+@pytest.mark.slow
 def test_a_killed_client_leaves_no_worker(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     use_standin(monkeypatch, "0.3.4")
     script = (
@@ -155,6 +189,7 @@ def test_a_killed_client_leaves_no_worker(monkeypatch: pytest.MonkeyPatch, tmp_p
     assert gone(pid)
 
 
+@pytest.mark.slow
 def test_closing_leaves_neither_process_nor_descriptor(world: HabitatEnvironment) -> None:
     before = len(list(Path("/proc/self/fd").iterdir()))
     for _ in range(2):
@@ -165,6 +200,7 @@ def test_closing_leaves_neither_process_nor_descriptor(world: HabitatEnvironment
     assert len(list(Path("/proc/self/fd").iterdir())) <= before
 
 
+@pytest.mark.slow
 def test_a_lost_worker_costs_one_episode_each_time_and_is_replaced(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     use_standin(monkeypatch, "0.3.4", fault="die")
     world = small(tmp_path, width_px=16, height_px=12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,14 @@ BODIES = [("0.2.2", "3.8"), ("0.3.4", "current")]
 MESHES = {"r010": (0.1, 0.2), "r018": (0.18, 0.2), "r018_fine": (0.18, 0.05)}
 
 
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[HabitatEnvironment]:
+    """One for all: a worker takes longer to start than a test to run."""
+    world = small(tmp_path_factory.mktemp("scenes"))
+    yield world
+    world.close()
+
+
 class TestContract(EnvironmentConformance):
     position_tolerance_m = 1e-5
     angle_tolerance_rad = 1e-5
@@ -26,6 +35,10 @@ class TestContract(EnvironmentConformance):
     def _standin(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         use_standin(monkeypatch, "0.3.4")
         self.folder = tmp_path
+
+    @pytest.fixture
+    def environment(self, shared: HabitatEnvironment) -> HabitatEnvironment:
+        return shared
 
     def make_environment(self) -> HabitatEnvironment:
         return small(self.folder)
@@ -72,7 +85,7 @@ def test_frames_agree_with_the_records(version: str, which: str, monkeypatch: py
     use_standin(monkeypatch, version)
     world = HabitatEnvironment(setup(tmp_path, which, depth_min_m=0.0, depth_max_m=100.0))
     recorded = np.load(DATA / "frames.npz")["depth_mm"]
-    for index in (0, 4, 7, 11):
+    for index in (0, 4, 7, 11) if which == "current" else (4,):
         pose = RECORDS["poses"][index]
         seen = world.reset(episode(pose["position"], pose["rotation"]))
         assert (
@@ -100,7 +113,7 @@ def test_depth_outside_of_the_range_is_no_measurement_and_labels_name_things(
     world.close()
 
 
-@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("version", [pytest.param(VERSIONS[0], marks=pytest.mark.slow), VERSIONS[1]])
 def test_one_worker_serves_scenes_and_episodes_and_keeps_its_mesh(
     version: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -128,7 +141,7 @@ def test_distances_and_ways_agree_with_the_records(monkeypatch: pytest.MonkeyPat
     world = small(tmp_path)
     geodesics = world.geodesics(SCENE)
     checked = 0
-    for query in RECORDS["queries"]["034"]["r010"]["paths"][:24]:
+    for query in RECORDS["queries"]["034"]["r010"]["paths"][:12]:
         ends = [pose_from_habitat(query[name], (0.0, 0.0, 0.0, 1.0)).position_m for name in ("start", "end")]
         found = geodesics.distances_m(ends[0][None], ends[1][None])[0]
         wanted = float(query["geodesic_distance"])
@@ -140,7 +153,7 @@ def test_distances_and_ways_agree_with_the_records(monkeypatch: pytest.MonkeyPat
         corners = geodesics.path(ends[0], ends[1][None])
         assert np.linalg.norm(np.diff(corners, axis=0), axis=1).sum() == pytest.approx(found, abs=1e-3)
         checked += 1
-    assert checked > 15
+    assert checked > 6
     world.close()
 
 

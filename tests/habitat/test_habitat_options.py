@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from spacevln.assembly import Configuration, HabitatSettings
-from spacevln.assembly.habitat_presets import PRESETS
-from spacevln.cli.habitat_options import in_habitat, python_of
+from spacevln.assembly.benchmark_presets import PRESETS
+from spacevln.cli.habitat_options import in_simulator, python_of
 from spacevln.core import PrerequisiteError, UnknownNameError, UsageError
 
 
@@ -51,15 +51,15 @@ def test_the_source_fills_the_settings_and_the_user_goes_first(tmp_path: Path) -
         "settings": "official",
         "gpu_device": -1,
     }
-    found = in_habitat(Configuration(), "rxr-ce", options)
+    found = in_simulator(Configuration(), "rxr-ce", options)
     assert isinstance(found.environment, HabitatSettings)
     assert (found.environment.sliding, found.environment.agent_radius_m, found.step_budget) == (False, 0.18, 500)
-    found = in_habitat(Configuration(step_budget=7), "rxr-ce", options, sliding=True)
+    found = in_simulator(Configuration(step_budget=7), "rxr-ce", options, sliding=True)
     assert isinstance(found.environment, HabitatSettings)
     assert (found.environment.sliding, found.step_budget) == (True, 7)
     with pytest.raises(UnknownNameError):
-        in_habitat(Configuration(), "rxr-ce", {**options, "settings": "offical"})
+        in_simulator(Configuration(), "rxr-ce", {**options, "settings": "offical"})
     with pytest.raises(PrerequisiteError, match=r"--habitat-python"):
-        in_habitat(Configuration(), "rxr-ce", {**options, "habitat_python": None})
+        in_simulator(Configuration(), "rxr-ce", {**options, "habitat_python": None})
     with pytest.raises(UsageError, match=r"--scenes"):
-        in_habitat(Configuration(), "rxr-ce", {**options, "scenes": None})
+        in_simulator(Configuration(), "rxr-ce", {**options, "scenes": None})

@@ -1,9 +1,11 @@
 """Configuration, and the one place that names concrete classes."""
 
+from spacevln.assembly.benchmark_presets import PRESETS, BenchmarkPreset, preset_of
 from spacevln.assembly.build import build_agent, build_detector, build_environment, check_settings, prompt_settings
 from spacevln.assembly.configuration import (
     ComponentSettings,
     Configuration,
+    GNBenchSettings,
     HabitatSettings,
     HousesSettings,
     KnownBuilding,
@@ -12,7 +14,6 @@ from spacevln.assembly.configuration import (
     OpenVocabularySettings,
     PromptOptions,
 )
-from spacevln.assembly.habitat_presets import PRESETS, HabitatPreset, preset_of
 from spacevln.assembly.presets import ABLATIONS, PAPER, ablation_of, same_programs
 from spacevln.assembly.registration import RegisteredEnvironment
 from spacevln.assembly.situations import RecordedSituations
@@ -21,9 +22,10 @@ __all__ = [
     "ABLATIONS",
     "PAPER",
     "PRESETS",
+    "BenchmarkPreset",
     "ComponentSettings",
     "Configuration",
-    "HabitatPreset",
+    "GNBenchSettings",
     "HabitatSettings",
     "HousesSettings",
     "KnownBuilding",

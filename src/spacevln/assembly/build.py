@@ -8,7 +8,13 @@ from functools import lru_cache
 
 from spacevln.agent import AgentSettings, Components, NavigationAgent
 from spacevln.assembly.attentive import Attention, AttentiveExecutor, AttentivePlanner
-from spacevln.assembly.configuration import Configuration, HabitatSettings, OpenVocabularySettings
+from spacevln.assembly.configuration import (
+    Configuration,
+    GNBenchSettings,
+    HabitatSettings,
+    HousesSettings,
+    OpenVocabularySettings,
+)
 from spacevln.core import (
     ChatModel,
     Detector,
@@ -37,21 +43,27 @@ def build_environment(configuration: Configuration) -> Environment:
     """The world of a run.
 
     Raises:
-        PrerequisiteError: the renderer asked for, or the bridge to Habitat-Sim, cannot be used here.
+        PrerequisiteError: the renderer asked for, or the bridge to a simulator, cannot be used here.
     """
     settings = configuration.environment
-    if isinstance(settings, HabitatSettings):
-        return _habitat(settings)
-    return HousesEnvironment(sliding=settings.sliding, renderer=settings.renderer)
+    if isinstance(settings, HousesSettings):
+        return HousesEnvironment(sliding=settings.sliding, renderer=settings.renderer)
+    return _bridged(settings)
 
 
-def _habitat(settings: HabitatSettings) -> Environment:
+def _bridged(settings: HabitatSettings | GNBenchSettings) -> Environment:
     if importlib.util.find_spec("spacevln_bridge") is None or importlib.util.find_spec("msgpack") is None:
-        raise PrerequisiteError("Habitat-Sim is reached over a bridge: install it with `pip install 'spacevln[habitat]'`.")
+        raise PrerequisiteError("This simulator is reached over a bridge: install it with `pip install 'spacevln[habitat]'`.")
+    values = settings.model_dump(exclude={"simulator", "preset"})
+    if isinstance(settings, GNBenchSettings):
+        from spacevln.environments.gn_bench.environment import GNBenchEnvironment
+        from spacevln.environments.gn_bench.setup import GNBenchSetup
+
+        return GNBenchEnvironment(GNBenchSetup(**values))
     from spacevln.environments.habitat.environment import HabitatEnvironment
     from spacevln.environments.habitat.setup import HabitatSetup
 
-    return HabitatEnvironment(HabitatSetup(**settings.model_dump(exclude={"simulator", "preset"})))
+    return HabitatEnvironment(HabitatSetup(**values))
 
 
 def check_settings(configuration: Configuration, spec: EnvironmentSpec) -> None:

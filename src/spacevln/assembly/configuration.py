@@ -32,38 +32,56 @@ class HousesSettings(_Settings):
     sliding: bool = True
 
 
-class HabitatSettings(_Settings):
-    """Habitat-Sim in a Python of its own (:class:`~spacevln.environments.habitat.setup.HabitatSetup` says what each means).
+class _BridgedSettings(_Settings):
+    """A simulator in a Python of its own (:class:`~spacevln.environments.bridge.setup.BridgeSetup` says what each means).
 
     Args:
-        simulator: tells these settings from those of the houses.
-        preset: which of :data:`~.habitat_presets.PRESETS` the values come from; the values themselves count.
+        preset: which of :data:`~.benchmark_presets.PRESETS` the values come from; the values themselves count.
     """
 
-    simulator: Literal["habitat"] = "habitat"
     preset: str
     python: str
     scenes: str
-    scene_dataset: str = ""
-    cache: str = ""
     width_px: PositiveInt
     height_px: PositiveInt
     hfov_deg: float = Field(gt=0, lt=180)
     camera_height_m: float = Field(gt=0)
+    step_m: float = Field(default=0.25, gt=0)
+    turn_deg: float = Field(gt=0)
+    depth_min_m: float = Field(ge=0)
+    depth_max_m: float = Field(gt=0)
+    gpu_device: int = Field(default=0, ge=-1)
+    seed: int = 0
+
+
+class HabitatSettings(_BridgedSettings):
+    """Habitat-Sim (:class:`~spacevln.environments.habitat.setup.HabitatSetup`).
+
+    Args:
+        simulator: tells these settings from those of other worlds.
+    """
+
+    simulator: Literal["habitat"] = "habitat"
+    scene_dataset: str = ""
+    cache: str = ""
     agent_height_m: float = Field(gt=0)
     agent_radius_m: float = Field(gt=0)
     cell_size_m: float = Field(default=0.05, gt=0)
     cell_height_m: float = Field(gt=0)
     max_climb_m: float = Field(gt=0)
     max_slope_deg: float = Field(default=45.0, gt=0, lt=90)
-    step_m: float = Field(default=0.25, gt=0)
-    turn_deg: float = Field(gt=0)
     sliding: bool
-    depth_min_m: float = Field(ge=0)
-    depth_max_m: float = Field(gt=0)
-    gpu_device: int = Field(default=0, ge=-1)
-    seed: int = 0
     labels: bool = True
+
+
+class GNBenchSettings(_BridgedSettings):
+    """GN-Bench's simulator (:class:`~spacevln.environments.gn_bench.setup.GNBenchSetup`).
+
+    Args:
+        simulator: tells these settings from those of other worlds.
+    """
+
+    simulator: Literal["gn-bench"] = "gn-bench"
 
 
 class LabelDetectorSettings(_Settings):
@@ -207,7 +225,7 @@ class Configuration(_Settings):
     """
 
     driver: Literal["agent", "random", "forward", "frontier", "oracle", "reference"] = "agent"
-    environment: HousesSettings | HabitatSettings = HousesSettings()
+    environment: HousesSettings | HabitatSettings | GNBenchSettings = HousesSettings()
     detector: LabelDetectorSettings | OpenVocabularySettings = LabelDetectorSettings()
     components: ComponentSettings = ComponentSettings()
     planner: Literal["rules", "vlm"] = "rules"

@@ -11,7 +11,7 @@ from spacevln.cli.attempting import FAILED_STATUSES, attempt_all, run_options
 from spacevln.cli.costs import usage_line
 from spacevln.cli.data_options import data_options, selection_from
 from spacevln.cli.forecast import forecast_options, tell_forecast
-from spacevln.cli.habitat_options import habitat_options, in_habitat
+from spacevln.cli.habitat_options import habitat_options, in_simulator
 from spacevln.cli.options import Driver, agent_options, configuration_from
 
 if TYPE_CHECKING:
@@ -35,12 +35,14 @@ if TYPE_CHECKING:
 @forecast_options
 @agent_options
 def bench(suite: str, driver: Driver, out: Path | None, **options: Any) -> int:
-    """Run SUITE (houses-vln, houses-objectnav, r2r-ce, rxr-ce, hm3d-ovon); the same command on the same --out resumes."""
+    """Run SUITE (houses-vln, houses-objectnav, r2r-ce, rxr-ce, hm3d-ovon, gn-bench); the same command and --out resume."""
     from spacevln.cli.output import prepare
     from spacevln.viewer import write_site
 
     selection = selection_from(suite, options)
-    configuration = placed(configuration_from(options, driver), selection, options)
+    configuration = configuration_from(options, driver)
+    if options["habitat_python"] is not None or not options["dry_run"]:  # a forecast needs no simulator
+        configuration = placed(configuration, selection, options)
     episodes = selection.load()
     for note in episodes.notes:
         click.echo(f"data     {note}")
@@ -61,23 +63,21 @@ def placed(configuration: Configuration, selection: Selection, options: dict[str
     Raises:
         PrerequisiteError: that world is not here.
     """
-    from spacevln.core import PrerequisiteError
+    from spacevln.assembly import LabelDetectorSettings
     from spacevln.evaluation.datasets import HOUSES_SUITES
 
     if selection.suite in HOUSES_SUITES:
         if options["habitat_python"] is not None:
             raise click.UsageError(f"Suite {selection.suite!r} runs in the embedded houses: leave --habitat-python out.")
         return configuration
-    if selection.suite == "gn-bench":
-        raise PrerequisiteError(
-            "Suite 'gn-bench' needs the authors' Gaussian-splatting simulator, which this version does not speak to: "
-            "its episodes can be loaded, not run."
-        )
     if options["chase"]:
         raise click.UsageError("--chase films the robot of the embedded houses: leave it out.")
+    sees = configuration.driver in ("agent", "frontier")
+    if selection.suite == "gn-bench" and sees and isinstance(configuration.detector, LabelDetectorSettings):
+        raise click.UsageError("GN-Bench's pictures have no labels: add e.g. --detector grounding-dino-tiny.")
     said = click.get_current_context().get_parameter_source("sliding")
     given = said is not None and said.name != "DEFAULT"
-    return in_habitat(configuration, selection.suite, options, sliding=options["sliding"] if given else None)
+    return in_simulator(configuration, selection.suite, options, sliding=options["sliding"] if given else None)
 
 
 def tell(summary: SummaryFile, results: list[ResultFile]) -> None:

@@ -27,7 +27,7 @@ EXTRAS = (
     ("transformers", "perception", "open-vocabulary detectors and segmenters"),
     ("onnxruntime", "onnx", "a segmenter without torch"),
     ("gymnasium", "gym", "the Gymnasium environment spacevln/Houses-v0"),
-    ("spacevln_bridge", "habitat", "Habitat-Sim in a Python of its own"),
+    ("spacevln_bridge", "habitat", "Habitat-Sim and GN-Bench, in a Python of their own"),
     ("trimesh", "export", "writing houses as .glb files"),
     ("rosbags", "robot", "ROS 2 robots without a ROS installation, and ROS 2 bags"),
 )
@@ -36,7 +36,12 @@ EXTRAS = (
 @click.command()
 @choice_options
 @habitat_options
-@click.option("--suite", type=click.Choice(["r2r-ce", "rxr-ce", "hm3d-ovon"]), default="r2r-ce", help="Of --data.")
+@click.option(
+    "--suite",
+    type=click.Choice(["r2r-ce", "rxr-ce", "hm3d-ovon", "gn-bench"]),
+    default="r2r-ce",
+    help="Of --data; gn-bench asks for its own simulator.",
+)
 @click.option("--data", type=click.Path(path_type=Path), default=None, help="A benchmark's episodes, to look into a building.")
 def doctor(suite: str, data: Path | None, **options: Any) -> int:
     """Say what is installed, reachable and missing, and the command that mends it.

@@ -1,4 +1,4 @@
-"""What ``spacevln doctor --habitat-python`` finds: whether Habitat-Sim starts there, what it shows, and what it measures."""
+"""What ``spacevln doctor --habitat-python`` finds: whether the simulator starts there, what it shows, and what it measures."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacevln.cli.findings import Finding
-from spacevln.cli.habitat_options import in_habitat, python_of
+from spacevln.cli.habitat_options import in_simulator, python_of
 from spacevln.core import EnvironmentFailure, PrerequisiteError, UsageError
 
 if TYPE_CHECKING:
+    from spacevln.environments.bridge.simulator import Opened
     from spacevln.evaluation.episode import Episode, Points
 
 PROBE_PX = (64, 48)
@@ -35,19 +36,26 @@ def habitat_findings(options: dict[str, Any], suite: str, data: Path | None) -> 
         data: a benchmark's episodes; its buildings lie in ``scenes``.
     """
     if importlib.util.find_spec("spacevln_bridge") is None or importlib.util.find_spec("msgpack") is None:
-        yield Finding("missing", "the bridge to Habitat-Sim", "pip install 'spacevln[habitat]'")
+        yield Finding("missing", "the bridge to simulators", "pip install 'spacevln[habitat]'")
         return
     from spacevln.environments.bridge.remote import connect
 
+    splats = suite == "gn-bench"
+    title, page = ("GN-Bench's simulator", "docs/benchmarks/gn-bench.md") if splats else ("Habitat-Sim", "docs/habitat.md")
     try:
-        worker = connect(python_of(options["habitat_python"]), PROBE_PX)
+        worker = connect(python_of(options["habitat_python"]), "gn-bench" if splats else "habitat", PROBE_PX)
     except (PrerequisiteError, EnvironmentFailure) as error:
-        yield Finding("missing", f"Habitat-Sim: {error}", "docs/habitat.md says how to install it")
+        yield Finding("missing", f"{title}: {error}", f"{page} says how to install it")
         return
     welcome = worker.welcome
     worker.close()
-    yield Finding("ok", f"Habitat-Sim {welcome.simulator} answers in Python {welcome.python}")
-    yield from _own_house(options) if data is None else _benchmark(options, suite, data)
+    yield Finding("ok", f"{title} {welcome.simulator} answers in Python {welcome.python}")
+    if data is not None:
+        yield from _benchmark(options, suite, data)
+    elif splats:
+        yield Finding("note", "no building was opened", "give --scenes and --data: no house of ours is made of splats")
+    else:
+        yield from _own_house(options)
 
 
 def _benchmark(options: dict[str, Any], suite: str, data: Path) -> Iterator[Finding]:
@@ -55,7 +63,7 @@ def _benchmark(options: dict[str, Any], suite: str, data: Path) -> Iterator[Find
     from spacevln.evaluation.datasets import Filters, Selection
 
     if options["scenes"] is None:
-        yield Finding("missing", f"the buildings of {suite}", "name the folder that holds mp3d/ or hm3d/ with --scenes")
+        yield Finding("missing", f"the buildings of {suite}", "name the folder that holds them with --scenes")
         return
     try:
         episodes = Selection(suite=suite, path=data).load()
@@ -101,25 +109,35 @@ def _look(
 ) -> Iterator[Finding]:
     """One frame and one way from an episode's start."""
     from spacevln.assembly import Configuration, build_environment
-    from spacevln.environments.habitat.environment import HabitatEnvironment
+    from spacevln.environments.bridge.environment import BridgedEnvironment
+    from spacevln.evaluation.truth import Surveyed
 
-    world = build_environment(in_habitat(Configuration(), suite, options))
-    assert isinstance(world, HabitatEnvironment)  # noqa: S101 - what in_habitat configures
+    world = build_environment(in_simulator(Configuration(), suite, options))
+    assert isinstance(world, BridgedEnvironment)  # noqa: S101 - what in_simulator configures
     try:
         seen = world.reset(episode.spec)
-        opened = world.simulator.opened
-        if opened is not None:
-            yield Finding("ok", f"{episode.scene}: navigation mesh of {opened.mesh_area_m2:.0f} m2, {opened.mesh_source}")
+        yield Finding("ok", f"{episode.scene}: {_described(world.simulator.opened)}")
         full = float((seen.depth_m > 0).mean())
         state, mend = ("ok", "") if full >= FULL_SHARE and seen.rgb.any() else ("missing", NO_GPU)
         yield Finding(state, f"a frame of {seen.rgb.shape[1]}x{seen.rgb.shape[0]} pixels, {full:.0%} of them with a depth", mend)
-        if targets is not None:
+        if targets is not None and isinstance(world, Surveyed):
             way_m = float(world.geodesics(episode.scene).distances_m(episode.start.position_m[None], targets)[0])
             yield _judged(way_m, known_m)
     except (PrerequisiteError, EnvironmentFailure) as error:
         yield Finding("missing", f"{episode.scene}: {error}", NO_GPU)
     finally:
         world.close()
+
+
+def _described(opened: Opened | None) -> str:
+    """What a simulator loaded."""
+    from spacevln_bridge.messages import SplatsOpened
+
+    if opened is None:
+        return "not opened"
+    if isinstance(opened, SplatsOpened):
+        return f"{opened.gaussians:,} Gaussians"
+    return f"navigation mesh of {opened.mesh_area_m2:.0f} m2, {opened.mesh_source}"
 
 
 def _judged(way_m: float, known_m: float | None) -> Finding:

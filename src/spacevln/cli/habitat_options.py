@@ -1,4 +1,4 @@
-"""Options about Habitat-Sim: its Python, its scenes, and whose settings."""
+"""Options about a simulator behind the bridge, Habitat-Sim or GN-Bench's: its Python, its scenes, and whose settings."""
 
 from __future__ import annotations
 
@@ -13,21 +13,30 @@ import click
 from spacevln.core import PrerequisiteError, UsageError
 
 if TYPE_CHECKING:
-    from spacevln.assembly import Configuration
+    from spacevln.assembly import Configuration, GNBenchSettings, HabitatSettings
 
 F = TypeVar("F", bound=Callable[..., Any])
 CONDA_S = 60
 
 
 def habitat_options(command: F) -> F:
-    """Where Habitat-Sim is and how it is set."""
+    """Where the simulator is and how it is set."""
     folder = click.Path(path_type=Path)
     for option in reversed(
         (
-            click.option("--habitat-python", metavar="PATH|conda:NAME|tcp://H:P", default=None, help="Habitat-Sim's Python."),
-            click.option("--scenes", type=folder, default=None, help="Folder of all scenes, the parent of mp3d/ or hm3d/."),
+            click.option(
+                "--habitat-python",
+                "--simulator-python",
+                "habitat_python",
+                metavar="PATH|conda:NAME|tcp://H:P",
+                default=None,
+                help="Python of Habitat-Sim, or of GN-Bench's simulator.",
+            ),
+            click.option(
+                "--scenes", type=folder, default=None, help="Folder of all scenes: parent of mp3d/ or hm3d/; InteriorGS."
+            ),
             click.option("--scene-dataset", type=folder, default=None, help="Scene dataset configuration, for HM3D's labels."),
-            click.option("--settings", default="paper", show_default=True, help="Of Habitat-Sim: paper or official."),
+            click.option("--settings", default="paper", show_default=True, help="Of the simulator: paper or official."),
             click.option(
                 "--gpu-device", type=click.IntRange(min=-1), default=0, show_default=True, help="-1 for software rendering."
             ),
@@ -37,10 +46,10 @@ def habitat_options(command: F) -> F:
     return command
 
 
-def in_habitat(
+def in_simulator(
     configuration: Configuration, suite: str, options: dict[str, Any], *, sliding: bool | None = None
 ) -> Configuration:
-    """The configuration in Habitat-Sim, with the settings of a source written out.
+    """The configuration in the simulator of a benchmark, with the settings of a source written out.
 
     Args:
         configuration: everything else.
@@ -50,30 +59,43 @@ def in_habitat(
 
     Raises:
         PrerequisiteError: no interpreter is named, or conda does not know it.
-        UsageError: no scenes are named.
+        UsageError: no scenes are named, or an option is of another simulator.
     """
-    from spacevln.assembly import HabitatSettings, preset_of
+    from spacevln.assembly import GNBenchSettings, preset_of
 
     preset = preset_of(suite, options["settings"])
     if options["habitat_python"] is None:
         raise PrerequisiteError(
-            f"Suite {suite!r} runs in Habitat-Sim: name a Python that has it with --habitat-python PATH (docs/habitat.md)."
+            f"Suite {suite!r} runs in a simulator of its own: name a Python that has it with --habitat-python PATH "
+            f"(docs/benchmarks/{suite}.md)."
         )
     if options["scenes"] is None:
-        raise UsageError(f"Suite {suite!r} needs its buildings: name the folder that holds mp3d/ or hm3d/ with --scenes.")
-    values = dict(preset.values) if sliding is None else {**preset.values, "sliding": sliding}
-    dataset = options["scene_dataset"]
-    settings = HabitatSettings(
-        preset=options["settings"],
-        python=python_of(options["habitat_python"]),
-        scenes=str(options["scenes"].resolve()),
-        scene_dataset="" if dataset is None else str(dataset.resolve()),
-        cache=str(Path.home() / ".cache" / "spacevln" / "navmeshes"),
-        gpu_device=options["gpu_device"],
-        **values,
-    )
+        raise UsageError(f"Suite {suite!r} needs its buildings: name the folder that holds them with --scenes.")
+    common = {
+        "preset": options["settings"],
+        "python": python_of(options["habitat_python"]),
+        "scenes": str(options["scenes"].resolve()),
+        "gpu_device": options["gpu_device"],
+        **preset.values,
+    }
+    if suite == "gn-bench":
+        if sliding is not None or options["scene_dataset"] is not None:
+            raise UsageError("GN-Bench has neither sliding nor scene datasets: leave --sliding and --scene-dataset out.")
+        settings: HabitatSettings | GNBenchSettings = GNBenchSettings(**common)
+    else:
+        settings = _habitat(common, options["scene_dataset"], sliding)
     budget = configuration.step_budget or preset.step_budget
     return configuration.model_copy(update={"environment": settings, "step_budget": budget})
+
+
+def _habitat(common: dict[str, Any], dataset: Path | None, sliding: bool | None) -> HabitatSettings:
+    from spacevln.assembly import HabitatSettings
+
+    return HabitatSettings(
+        scene_dataset="" if dataset is None else str(dataset.resolve()),
+        cache=str(Path.home() / ".cache" / "spacevln" / "navmeshes"),
+        **common if sliding is None else {**common, "sliding": sliding},
+    )
 
 
 def python_of(name: str) -> str:

@@ -1,4 +1,4 @@
-"""``spacevln run``: one episode, in an embedded house or in Habitat-Sim, with a live display."""
+"""``spacevln run``: one episode, in an embedded house or of a benchmark in its simulator, with a live display."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from spacevln.evaluation.datasets import Selection
     from spacevln.recording import ResultFile
 
-HABITAT_SUITES = ("r2r-ce", "rxr-ce", "hm3d-ovon")
+BRIDGED_SUITES = ("r2r-ce", "rxr-ce", "hm3d-ovon", "gn-bench")
 
 MAX_INSTRUCTION_CHARS = 4000
 
@@ -36,7 +36,7 @@ MAX_INSTRUCTION_CHARS = 4000
     default=None,
     help="Begin with the memory.npz that an episode in this house left; the result says so.",
 )
-@click.option("--suite", type=click.Choice(HABITAT_SUITES), default=None, help="An episode of a benchmark, in Habitat-Sim.")
+@click.option("--suite", type=click.Choice(BRIDGED_SUITES), default=None, help="An episode of a benchmark, in its simulator.")
 @click.option("--data", type=click.Path(path_type=Path), default=None, help="Folder or file of the benchmark's episodes.")
 @click.option("--split", default=None, help="Of the benchmark.")
 @click.option("--id", "episode_id", default=None, help="Which of its episodes; else the first.")
@@ -101,7 +101,7 @@ def _benchmark(options: dict[str, Any], *, given: bool) -> Selection | None:
     suite, data, split, episode_id = (options.pop(name) for name in ("suite", "data", "split", "episode_id"))
     if suite is None:
         if any(value is not None for value in (data, split, episode_id, options["habitat_python"], options["scenes"])):
-            raise click.UsageError(f"Habitat-Sim runs episodes of benchmarks: add --suite, one of {', '.join(HABITAT_SUITES)}.")
+            raise click.UsageError(f"These options are of benchmarks: add --suite, one of {', '.join(BRIDGED_SUITES)}.")
         return None
     if given:
         raise click.UsageError("--seed, --instruction and --goal are of embedded houses: leave them out, or leave --suite out.")

@@ -139,13 +139,14 @@ class Worker(Conversation):
 
 def _image_block(size_px: tuple[int, int]) -> tuple[int, mmap.mmap]:
     """An anonymous file in shared memory, its pages reserved: a full memory is noticed here, not in a picture's middle."""
-    needed = block_bytes(*size_px)
-    descriptor = os.memfd_create("spacevln-image")
+    needed, descriptor = block_bytes(*size_px), -1
     try:
+        descriptor = os.memfd_create("spacevln-image")
         os.posix_fallocate(descriptor, 0, needed)
         return descriptor, shared_block(descriptor, *size_px)
     except OSError as error:
-        os.close(descriptor)
+        if descriptor >= 0:
+            os.close(descriptor)
         raise EnvironmentFailure(
             f"There is no shared memory for images of {needed / 1e6:.1f} MB ({error.strerror}): free memory."
         ) from error

@@ -1,7 +1,7 @@
 """A stand-in for habitat_sim with the house and the habits that were recorded from the real one (../../data/README.md).
 
 HABITAT_STANDIN chooses the version, "0.2.2" or "0.3.4"; they differ where the records differ: types of vectors, when a navigation mesh is
-made, moves without sliding. Attributes that the real classes do not have are refused, as theirs are. HABITAT_STANDIN_FAULT makes it misbehave or draw nothing, HABITAT_STANDIN_COARSE
+made, moves without sliding. Attributes that the real classes do not have are refused, as theirs are. HABITAT_STANDIN_FAULT makes it misbehave ("kill", "stop" or "garbage" at "import", "open", "look" or "step": "kill-open") or draw nothing, HABITAT_STANDIN_COARSE
 draws only every so many pixels, for tests that look at nothing fine.
 """
 
@@ -9,6 +9,7 @@ import gzip
 import json
 import math
 import os
+import signal
 import sys
 import time
 import types
@@ -40,6 +41,19 @@ class _Meshes(dict):
 
 MESHES = _Meshes()
 _LIVING = []
+
+
+def _moment(name):
+    """Misbehave, if this is the moment to."""
+    if "kill-" + name == FAULT:
+        os.kill(os.getpid(), signal.SIGKILL)
+    if "stop-" + name == FAULT:
+        os.kill(os.getpid(), signal.SIGSTOP)
+    if "garbage-" + name == FAULT:
+        os.write(int(sys.argv[sys.argv.index("--channel") + 1]), b"Segmentation fault (core dumped)\n")
+
+
+_moment("import")
 
 
 def _key(position, yaw_rad):
@@ -338,6 +352,7 @@ class Simulator:
         self.reconfigure(config)
 
     def reconfigure(self, config):
+        _moment("open")
         self.config, self._agent = config, _Agent(config.agents[0])
         self.pathfinder.name = None
         if not MODERN:
@@ -363,6 +378,7 @@ class Simulator:
         return True
 
     def step(self, action):
+        _moment("step")
         agent, spec = self._agent, self._agent.agent_config.action_space[action]
         collided, amount = False, spec.actuation.amount
         if spec.name == "move_forward":
@@ -385,6 +401,7 @@ class Simulator:
         return seen
 
     def get_sensor_observations(self):
+        _moment("look")
         state, sensors = self._agent.get_state(), self._agent.agent_config.sensor_specifications
         first = sensors[0]
         height, width = first.resolution
