@@ -65,9 +65,9 @@ def in_simulator(
 
     preset = preset_of(suite, options["settings"])
     if options["habitat_python"] is None:
+        where = "GN-Bench's simulator" if suite == "gn-bench" else "Habitat-Sim"
         raise PrerequisiteError(
-            f"Suite {suite!r} runs in a simulator of its own: name a Python that has it with --habitat-python PATH "
-            f"(docs/benchmarks/{suite}.md)."
+            f"Suite {suite!r} runs in {where}: name a Python that has it with --habitat-python PATH (docs/benchmarks/{suite}.md)."
         )
     if options["scenes"] is None:
         raise UsageError(f"Suite {suite!r} needs its buildings: name the folder that holds them with --scenes.")
