@@ -66,6 +66,22 @@ def test_forward_reports_what_really_happened_and_labels_arrive() -> None:
     environment.close()
 
 
+@pytest.mark.parametrize("then", [MoveForward(0.5), TurnLeft(45.0)])
+def test_a_way_gone_while_a_model_thought_counts(then: MoveForward | TurnLeft) -> None:
+    """The next forward ends where it would have; a turn tells of the way, too."""
+    environment, parts = made(Pose(-1.2, -1.2))
+    end_s = parts.clock.now_s() + 1.2
+    environment.proceed(9.0, lambda: parts.clock.now_s() >= end_s)
+    gone_m = parts.robot.base.pose.x_m + 1.2
+    assert 0.03 < gone_m < 0.3
+    assert parts.commands[-1][1:] == (0.0, 0.0)
+    motion = environment.execute(then)
+    assert not motion.collided
+    assert motion.moved_m == pytest.approx(0.5 if isinstance(then, MoveForward) else gone_m, abs=0.03)
+    environment.proceed(9.0, lambda: False)
+    assert environment.execute(MoveForward(0.5)).moved_m == pytest.approx(0.5, abs=0.03)  # one step at most
+
+
 def test_a_wall_ends_a_forward_before_contact() -> None:
     wall = (Box(1.0, -2.0, 1.1, 2.0),)
     environment, parts = made(Pose(0.0, 0.0), boxes=wall)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -159,6 +160,16 @@ def test_the_map_goes_on_while_a_model_thinks() -> None:
     assert attention.during(think, grid) == "done"
     assert attention.integrated >= 1
     assert grid.is_explored([[0.5, 0.0]]).all()
+
+    asked: list[bool] = []
+
+    def move(until: Callable[[], bool]) -> None:
+        while not until():
+            time.sleep(0.01)
+        asked.append(True)
+
+    assert attention.during(think, grid, move) == "done"
+    assert asked == [True]
 
     def fail() -> str:
         raise EnvironmentFailure("no")

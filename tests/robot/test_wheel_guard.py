@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from spacevln.core import Camera, Pose
 from spacevln.environments.robot.calibration import info_of
@@ -19,6 +20,9 @@ TICK_S = 0.02
 CAMERA = Camera(80, 60, 79.0, 0.88)
 INFO = info_of(CAMERA, Header(0))
 T_BASE_CAMERA = matrix_of_mount(Mount(z_m=0.88))
+BELOW = (np.arange(60)[:, None] - INFO.k[5]) / INFO.k[4]
+FLOOR_M = 0.88 / np.maximum(BELOW, 1e-3)
+"""Depth of the empty floor: first seen 1.4 m ahead."""
 
 
 class Hand:
@@ -37,15 +41,19 @@ class Hand:
         self.t_s += duration_s
 
 
+SEEN = Limits(unseen_m_s=0.35)
+"""Unseen floor does not matter."""
+
+
 class Bench:
     """A guard with a body that does what it is told, and a wall ahead."""
 
-    def __init__(self, limits: Limits | None = None, wall_m: float = 4.0) -> None:
+    def __init__(self, limits: Limits = SEEN, wall_m: float = 4.0) -> None:
         self.clock = Hand()
-        self.guard = WheelGuard(RobotProfile(name="t", limits=limits or Limits()), self.clock)
-        self.pose, self.wall_m = Pose(0.0, 0.0), wall_m
+        self.guard = WheelGuard(RobotProfile(name="t", limits=limits), self.clock)
+        self.pose, self.wall_m, self.wall_top_m = Pose(0.0, 0.0), wall_m, 9.0
         self.silent: set[str] = set()
-        self.offset_s, self.jump_m, self.blind, self.stuck = 0.0, 0.0, False, False
+        self.offset_s, self.jump_m, self.blind, self.stuck, self.floor = 0.0, 0.0, False, False, False
         self.command = (0.0, 0.0)
         self.count = 0
 
@@ -71,8 +79,13 @@ class Bench:
             if "rgb" not in self.silent:
                 self.guard.hear_rgb(stamp_ns)
             if "depth" not in self.silent:
-                depth = np.full((60, 80), 0.0 if self.blind else self.wall_m - self.pose.x_m, np.float32)
-                self.guard.hear_depth(stamp_ns, depth, INFO, T_BASE_CAMERA)
+                self.guard.hear_depth(stamp_ns, self._depth_m(), INFO, T_BASE_CAMERA)
+
+    def _depth_m(self) -> NDArray[np.float32]:
+        left_m = self.wall_m - self.pose.x_m
+        wall_m = np.where((0.88 - BELOW * left_m < self.wall_top_m) & (left_m > 0), left_m, 50.0)
+        depth_m = np.minimum(wall_m, FLOOR_M) if self.floor else wall_m
+        return np.repeat(depth_m * (not self.blind), 80, axis=1).astype(np.float32)
 
 
 def test_nothing_moves_before_everything_is_heard() -> None:
@@ -108,10 +121,45 @@ def test_the_body_stops_before_a_wall() -> None:
 
 def test_what_was_seen_low_is_remembered_when_it_is_too_near_to_be_seen() -> None:
     bench = Bench(wall_m=1.2)
+    bench.wall_top_m, bench.floor = 0.35, True  # at 0.85 m the camera looks over it
     bench.run(0.3, (0.0, 0.0))
-    bench.wall_m = 50.0  # the camera looks over it now
+    bench.run(25.0, None)
     bench.run(8.0, (0.35, 0.0))
     assert bench.pose.x_m < 1.2 - Limits().body_radius_m
+
+
+def test_floor_that_was_never_seen_is_crossed_slowly_and_what_was_seen_is_not_forgotten() -> None:
+    bench, limits = Bench(Limits(), wall_m=9.0), Limits()
+    bench.floor = True
+    bench.run(0.3, (0.0, 0.0))
+    slow = bench.run(10.0, (0.35, 0.0))
+    assert max(v for v, _ in slow) == limits.unseen_m_s
+    assert bench.pose.x_m == pytest.approx(10 * limits.unseen_m_s, abs=0.05)
+    bench.run(8.0, (0.35, 0.0))
+    assert bench.command == (limits.speed_m_s, 0.0)  # 1.4 m from the start everything was seen
+    bench.run(1.0, (0.0, 0.0))
+    bench.run(10.0, None)
+    assert bench.run(1.0, (0.35, 0.0))[-1] == (limits.speed_m_s, 0.0)
+
+
+@pytest.mark.parametrize(("top_m", "forgotten"), [(1.8, True), (0.35, False)])
+def test_what_is_gone_is_forgotten_if_the_camera_would_see_it(top_m: float, forgotten: bool) -> None:
+    bench = Bench(wall_m=1.2)
+    bench.floor, bench.wall_top_m = True, top_m
+    bench.run(0.3, (0.0, 0.0))
+    assert bench.guard.status().free_m == pytest.approx(1.2 - 0.25 - 0.1, abs=0.06)
+    bench.wall_m = 9.0
+    bench.run(2.0, (0.0, 0.0))
+    assert (bench.guard.status().free_m > 2.5) is forgotten
+
+
+def test_floor_in_the_place_of_something_low_frees_it() -> None:
+    bench = Bench(wall_m=float(FLOOR_M[54, 0]))  # rows of this small image are farther apart than the guard's cells
+    bench.floor, bench.wall_top_m = True, 0.35
+    bench.run(0.3, (0.0, 0.0))
+    bench.wall_m = 9.0
+    bench.run(0.5, (0.0, 0.0))
+    assert bench.guard.status().free_m > 2.5
 
 
 @pytest.mark.parametrize("stream", ["pose", "rgb", "depth"])
@@ -194,7 +242,7 @@ def test_the_operator_stops_in_every_state() -> None:
 
 def test_the_fence_stops_ahead_of_it_and_latches_outside() -> None:
     fence = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
-    bench = Bench(Limits(geofence_m=fence), wall_m=9.0)
+    bench = Bench(Limits(geofence_m=fence, unseen_m_s=0.35), wall_m=9.0)
     bench.run(8.0)
     assert 0.7 < bench.pose.x_m < 1.0
     assert bench.guard.status().state is GuardState.READY

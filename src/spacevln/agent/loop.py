@@ -59,7 +59,7 @@ class NavigationAgent:
             UsageError: the environment does not know the scene.
         """
         begin, subtasks = self._clock(), list[Subtask]()
-        world = World(self._detector, self._settings.components, known)  # 1: M_0
+        world = World(self._detector, self._settings.components, known, self._environment.spec.body_radius_m)  # 1: M_0
         budget = StepBudget(self._settings.step_limit or default_step_limit(episode.task))
         body = Body(self._environment, world, budget, self._emit)
         try:

@@ -35,12 +35,15 @@ class World:
         detector: grounds phrases.
         components: what is switched off is never built.
         known: the memory of earlier episodes in this building, grown in place; the agent's poses are in its frame.
+        body_radius_m: of the agent's disc; a known map keeps its own.
     """
 
-    def __init__(self, detector: Detector, components: Components, known: BuildingMemory | None = None) -> None:
+    def __init__(
+        self, detector: Detector, components: Components, known: BuildingMemory | None = None, body_radius_m: float = 0.1
+    ) -> None:
         self._detector = detector
         self._components = components
-        building = known or BuildingMemory(MetricMap(), HierarchicalSpatialMemory())
+        building = known or BuildingMemory(MetricMap(agent_radius_m=body_radius_m), HierarchicalSpatialMemory())
         building.start_episode()
         self.map = building.metric_map
         self.memory = SpatialCognitiveMemory(building.hierarchical)  # M_0 = {W_0, L_0}, W_0 = {G_0, P_0}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 from spacevln.agent import AgentSettings, Components, NavigationAgent
@@ -15,6 +16,7 @@ from spacevln.assembly.configuration import (
     HousesSettings,
     OpenVocabularySettings,
 )
+from spacevln.control import ControlSettings
 from spacevln.core import (
     ChatModel,
     Detector,
@@ -114,6 +116,7 @@ def build_agent(
     """
     settings = AgentSettings(
         components=Components(**configuration.components.model_dump()),
+        control=_control(environment.spec),
         step_limit=configuration.step_budget,
     )
     planner = _planner(configuration, environment.spec, models or {})
@@ -121,8 +124,15 @@ def build_agent(
     if isinstance(environment, RobotEnvironment):
         attention = Attention(environment.live)
         planner = planner if isinstance(planner, RulePlanner) else AttentivePlanner(planner, attention)
-        executor = executor if isinstance(executor, RuleExecutor) else AttentiveExecutor(executor, attention)
+        proceed = environment.proceed if environment.goes_on_while_thinking else None
+        executor = executor if isinstance(executor, RuleExecutor) else AttentiveExecutor(executor, attention, proceed)
     return NavigationAgent(environment, detector or build_detector(configuration), planner, executor, settings, sinks)
+
+
+def _control(spec: EnvironmentSpec) -> ControlSettings:
+    """The thresholds for this body: a wider one stands off from obstacles by as much more."""
+    usual = ControlSettings()
+    return replace(usual, stand_off_m=usual.stand_off_m + Gait.of(spec).wider_m)
 
 
 def _planner(configuration: Configuration, spec: EnvironmentSpec, models: Mapping[Role, ChatModel]) -> Planner:

@@ -34,12 +34,14 @@ class EnvironmentSpec:
         step_m: length of one forward primitive.
         turn_deg: angle of one turn primitive; divides 360.
         max_forward_m: longest forward an executor may ask for in one decision.
+        body_radius_m: of the disc that the body is seen from above.
     """
 
     camera: Camera
     step_m: float = 0.25
     turn_deg: float = 30.0
     max_forward_m: float = 1.25
+    body_radius_m: float = 0.1
 
     @property
     def lookaround_count(self) -> int:

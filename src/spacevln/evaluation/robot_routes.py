@@ -62,7 +62,11 @@ class Trial:
 
 
 class Row(Record):
-    """The outcome of a trial; ``NE_m`` is the horizontal distance from the stop to the goal, told by ``judged_by``."""
+    """The outcome of a trial.
+
+    ``NE_m`` is the horizontal distance from the stop to the goal, told by ``judged_by``; ``seconds`` are the robot's own.
+    Null is what the judge cannot know: ``idle_share`` and ``held_s`` of the ideal simulator, contacts of a real robot.
+    """
 
     episode_id: str
     setting: str
@@ -72,6 +76,11 @@ class Row(Record):
     success: bool
     judged_by: str
     seconds: float
+    first_motion_s: float | None = None
+    idle_share: float | None = None
+    held_s: float | None = None
+    contacts: int | None = None
+    hardest_contact_m_s: float | None = None
 
 
 def load_routes(path: Path) -> Routes:

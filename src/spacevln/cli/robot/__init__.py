@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from spacevln.cli.robot.bench import bench
+from spacevln.cli.robot.bench import bench, routes
 from spacevln.cli.robot.check import check
 from spacevln.cli.robot.demo import demo
 from spacevln.cli.robot.drive import run
@@ -24,6 +24,7 @@ def robot() -> None:
     spacevln robot teleop-scan --out DIR          drive by hand, the robot looks around where you say
     spacevln robot map LOG                        the map of a log or of a ROS 2 bag (MCAP)
     spacevln robot bench ROUTES.yaml              many instructions, a table of the paper's shape
+    spacevln robot routes ROUTES.yaml             the paper's 50 instructions, in embedded houses
     spacevln robot demo                           a simulated robot in an embedded house, over the real transport
     """  # noqa: D301 - click reads the backspace as "keep these lines"
 
@@ -34,4 +35,5 @@ robot.add_command(record)
 robot.add_command(teleop_scan)
 robot.add_command(map_log)
 robot.add_command(bench)
+robot.add_command(routes)
 robot.add_command(demo)

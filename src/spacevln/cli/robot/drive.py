@@ -127,5 +127,5 @@ def time_line(environment: RobotEnvironment, result: ResultFile) -> str:
     """Where the time went."""
     times = environment.times
     first = "no motion" if times.first_motion_s is None else f"first motion after {times.first_motion_s:.1f} s"
-    moving = 100 * times.moving_s / result.timing_s if result.timing_s else 0.0
-    return f"time     {first}, moving {moving:.0f} %, held by the guard {times.held_s:.1f} s of {result.timing_s:.1f} s"
+    idle = 100 * times.idle_share(result.timing_s)
+    return f"time     {first}, idle {idle:.0f} %, held by the guard {times.held_s:.1f} s of {result.timing_s:.1f} s"

@@ -13,6 +13,7 @@ from spacevln.core.sensing import InstanceLabel, Observation
 from spacevln.core.task import EpisodeSpec
 from spacevln.environments.robot.clock import Clock, SystemClock
 from spacevln.environments.robot.guard.status import WheelLink
+from spacevln.environments.robot.guard.surroundings import kept_free_m
 from spacevln.environments.robot.motion import Outcome, Pilot, Times
 from spacevln.environments.robot.observer import Observer, flat
 from spacevln.environments.robot.profile import RobotProfile
@@ -66,16 +67,27 @@ class RobotEnvironment:
         self._closed = False
         self._observer = self._connected()
         motions = profile.motions
-        self._spec = EnvironmentSpec(self._observer.camera, motions.step_m, motions.turn_deg, motions.max_forward_m)
+        self._spec = EnvironmentSpec(
+            self._observer.camera, motions.step_m, motions.turn_deg, motions.max_forward_m, kept_free_m(profile.limits)
+        )
         self._origin: Pose | None = None
         self._names: Mapping[int, InstanceLabel] = {}
         self._heading_rad = 0.0
+        self._set_out: Pose | None = None  # where the robot stood when it went on while a model thought
         self._observation: Observation | None = None
 
     @property
     def spec(self) -> EnvironmentSpec:
-        """The rectified camera; by default 0.5 m steps up to 1.5 m and 45 degree turns, eight to a look-around."""
+        """The rectified camera; by default 0.5 m steps up to 1.5 m and 45 degree turns, eight to a look-around.
+
+        The body's radius is that of the disc that the guard keeps free: where less room is, it would stop.
+        """
         return self._spec
+
+    @property
+    def goes_on_while_thinking(self) -> bool:
+        """Whether the profile lets the robot go on while a model thinks."""
+        return self._profile.motions.while_thinking == "continue"
 
     @property
     def origin(self) -> Pose:
@@ -91,7 +103,7 @@ class RobotEnvironment:
 
     def reset(self, episode: EpisodeSpec) -> Observation:
         """Begin where the robot stands."""
-        self._observation = self._origin = None
+        self._observation = self._origin = self._set_out = None
         if self._place is not None:
             self._place(episode)
         self._names = self._label_names(episode.scene) if self._label_names is not None else {}
@@ -115,6 +127,22 @@ class RobotEnvironment:
         snapshot = self._streams.snapshot()
         return None if snapshot is None else self._observed(snapshot)
 
+    def proceed(self, distance_m: float, until: Callable[[], bool]) -> None:
+        """Go on straight ahead while a model thinks; the next primitive takes the way into account.
+
+        The next forward is measured from where the robot last stood, so that a way of up to one step is part of it; a turn is
+        made where the robot then is. Blocks; another thread may ask :meth:`live` meanwhile.
+
+        Args:
+            distance_m: at most; a step of the spec at most.
+            until: ends it.
+
+        Raises:
+            EnvironmentFailure, SafetyStop: as :meth:`execute`.
+        """
+        self._set_out = self._here()
+        self._pilot.track(self._ahead(self._set_out, min(distance_m, self._profile.motions.step_m)), until)
+
     def execute(self, action: Action) -> Motion:
         """Carry out one primitive; the motion told is what the pose shows.
 
@@ -123,17 +151,15 @@ class RobotEnvironment:
             SafetyStop: the robot was stopped and not resumed.
             ContractError: the action is none of the spec's primitives, or the episode is over.
         """
-        before = self.observe().pose
-        motions, limits = self._profile.motions, self._profile.limits
+        before, motions = self.observe().pose, self._profile.motions
+        start, self._set_out = self._set_out or self._here(), None
         match action:
             case Stop():
                 self._link.wish(0.0, 0.0)
                 self._observation = None
                 return Motion(0.0, 0.0, False)
             case MoveForward(distance_m=distance_m) if abs(distance_m - motions.step_m) < _TOLERANCE:
-                start = self._here()
-                tracker = ForwardTracker(Pose(start.x_m, start.y_m, 0.0, self._heading_rad), distance_m, motions, limits)
-                outcome = self._pilot.track(tracker)
+                outcome = self._pilot.track(self._ahead(start, distance_m))
             case TurnLeft(angle_deg=angle_deg) if abs(angle_deg - motions.turn_deg) < _TOLERANCE:
                 outcome = self._turn(math.radians(angle_deg))
             case TurnRight(angle_deg=angle_deg) if abs(angle_deg - motions.turn_deg) < _TOLERANCE:
@@ -153,6 +179,10 @@ class RobotEnvironment:
         self._closed = True
         self._link.close()
         self._transport.close()
+
+    def _ahead(self, start: Pose, distance_m: float) -> ForwardTracker:
+        line = Pose(start.x_m, start.y_m, 0.0, self._heading_rad)
+        return ForwardTracker(line, distance_m, self._profile.motions, self._profile.limits)
 
     def _turn(self, angle_rad: float) -> Outcome:
         target = wrap_angle(self._heading_rad + angle_rad)  # a lattice of headings: errors do not add up over a look-around

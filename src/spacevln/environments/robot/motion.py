@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -27,6 +28,7 @@ class Outcome(StrEnum):
     TIMEOUT = "timeout"
     RESUMED = "resumed"
     """The operator resumed after a stop: what was left of the primitive is dropped."""
+    CALLED_OFF = "called_off"
 
 
 @dataclass(slots=True)
@@ -37,6 +39,14 @@ class Times:
     first_motion_s: float | None = None
     moving_s: float = 0.0
     held_s: float = 0.0
+
+    def idle_share(self, total_s: float) -> float:
+        """Share of a time in which the robot stood still, for whatever reason."""
+        return 1.0 - self.moving_s / total_s if total_s > 0 else 1.0
+
+
+def _never() -> bool:
+    return False
 
 
 class Pilot:
@@ -55,22 +65,28 @@ class Pilot:
         self._motions, self._period_s = profile.motions, 1 / profile.control_hz
         self.times = Times(clock.now_s())
 
-    def track(self, tracker: Tracker) -> Outcome:
+    def track(self, tracker: Tracker, until: Callable[[], bool] | None = None) -> Outcome:
         """Move until the target is reached or something prevents it; the body stands still afterwards.
+
+        Args:
+            tracker: of the target.
+            until: asked again and again; ends the motion when it holds.
 
         Raises:
             EnvironmentFailure: data stayed away, or the guard is gone.
             SafetyStop: a stop was not resumed.
         """
         try:
-            return self._track(tracker)
+            return self._track(tracker, until or _never)
         finally:
             self._stand()
 
-    def _track(self, tracker: Tracker) -> Outcome:
+    def _track(self, tracker: Tracker, until: Callable[[], bool]) -> Outcome:
         smoothed, begin_s, stuck_s, last_ns = Smoothed(), self._clock.now_s(), 0.0, 0
         pose = smoothed.update(self._pose()[1])
         while (wish := tracker.wish(pose)) is not None:
+            if until():
+                return Outcome.CALLED_OFF
             status = self._link.status()
             if status.reason is StopReason.WHEELS:
                 return Outcome.BLOCKED

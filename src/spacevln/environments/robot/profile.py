@@ -90,6 +90,7 @@ class Limits(_Settings):
         body_height_m: points between ``floor_m`` and this are obstacles.
         floor_m: lower points are floor.
         stop_m: kept free in front of the body.
+        unseen_m_s: largest speed over floor that was not seen: what stands there is touched no harder.
         geofence_m: corners (x, y) of the area in the frame of the start that must not be left; none for no fence.
     """
 
@@ -102,6 +103,7 @@ class Limits(_Settings):
     body_height_m: PositiveFloat = 1.2
     floor_m: PositiveFloat = 0.08
     stop_m: PositiveFloat = 0.1
+    unseen_m_s: PositiveFloat = 0.08
     geofence_m: tuple[tuple[float, float], ...] = ()
 
 
@@ -139,6 +141,8 @@ class Motions(_Settings):
         timeout_s: of one primitive.
         settle_s: standing still before the image of a view is taken.
         patience_s: how long a stopped robot waits for lost data, or for the operator's resume, before the run ends.
+        while_thinking: what the robot does while a model thinks of the next decision: ``"stand"``, or ``"continue"`` straight
+            ahead towards the stage's next waypoint, one step at most.
     """
 
     step_m: PositiveFloat = 0.5
@@ -149,6 +153,7 @@ class Motions(_Settings):
     timeout_s: PositiveFloat = 12.0
     settle_s: float = Field(default=0.15, ge=0)
     patience_s: PositiveFloat = 10.0
+    while_thinking: Literal["stand", "continue"] = "stand"
 
 
 class Sync(_Settings):

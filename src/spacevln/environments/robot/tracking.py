@@ -13,6 +13,8 @@ SLOWEST_M_S = 0.05
 SLOWEST_RAD_S = 0.12
 STEER_PER_S = 1.2
 CROSS_RAD_PER_M = 1.5
+STRAIGHT_M = 0.1
+"""So near to the target the line is no longer steered back to: noise alone would swing the wheels to and fro."""
 _SMOOTH = 0.35  # weight of a new pose
 
 
@@ -57,6 +59,8 @@ class ForwardTracker:
         if left_m < self._tolerance_m / 2:
             return None
         speed = min(self._speed_m_s, max(SLOWEST_M_S, APPROACH_PER_S * left_m))
+        if left_m < STRAIGHT_M:
+            return speed, 0.0
         course = -max(-0.5, min(0.5, CROSS_RAD_PER_M * seen.y_m))
         turn = STEER_PER_S * wrap_angle(course - seen.yaw_rad)
         return speed, max(-self._turn_rad_s, min(self._turn_rad_s, turn))

@@ -86,7 +86,7 @@ class RuleExecutor:
             return
         towards = missing / math.hypot(*missing)
         for across in BUMP_ACROSS_M:
-            x, y = pose.xy_m + BUMP_M * towards + across * np.array([-towards[1], towards[0]])
+            x, y = pose.xy_m + (BUMP_M + self._gait.wider_m) * towards + across * np.array([-towards[1], towards[0]])
             self._bumps.append((float(x), float(y), pose.z_m))
 
     def _follow(self, context: ExecutorContext, target: Float, near_m: float) -> tuple[Action, TurnPurpose | None]:

@@ -24,6 +24,7 @@ CELL_M = 0.05
 LINE_CELL_M = 0.1
 OFF_LINE = 1.2  # metres of a straight way that a metre beside it is worth
 BODY_M = (0.12, 0.07)  # room that is kept beside the body, a disc of 0.1 m; where nothing passes so, it may brush along
+USUAL_RADIUS_M = 0.1
 AHEAD_M, AHEAD_ROOM_M = (0.06, 0.13), 0.085  # and before it where it halts: nearer control masks the forward
 DECISION_STEPS = 2.0  # what a decision costs beside its primitives: a stage has few of them
 PARTS = 5  # of a forward, that are looked at
@@ -34,16 +35,22 @@ WORTH = 0.34  # steps of the way, that a step must gain where the target itself 
 
 @dataclass(frozen=True, slots=True)
 class Gait:
-    """What a body can do: length of a forward [m], headings around it, and forwards of one decision."""
+    """What a body can do: length of a forward [m], headings around it, forwards of one decision; and the radius of its disc."""
 
     step_m: float = 0.25
     headings: int = 12
     run: int = 5
+    radius_m: float = USUAL_RADIUS_M
 
     @classmethod
     def of(cls, spec: EnvironmentSpec) -> Gait:
         """That of an environment's body."""
-        return cls(spec.step_m, spec.lookaround_count, max(1, int(spec.max_forward_m / spec.step_m + 1e-9)))
+        return cls(spec.step_m, spec.lookaround_count, max(1, int(spec.max_forward_m / spec.step_m + 1e-9)), spec.body_radius_m)
+
+    @property
+    def wider_m(self) -> float:
+        """How much wider the body is on every side than the usual one."""
+        return self.radius_m - USUAL_RADIUS_M
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +130,7 @@ def first_run(
     for body_m in BODY_M:
         turned, went = _search(
             room_m,
-            body_m,
+            body_m + gait.wider_m,
             guide.weight,
             guide.left_m,
             (pose.x_m - guide.origin[0]) / guide.cell_m,

@@ -7,6 +7,7 @@ from spacevln.environments.houses.episodes.generate import first_route_episode, 
 from spacevln.environments.houses.episodes.grounds import Grounds
 from spacevln.environments.houses.episodes.object_goals import ObjectGoal, object_goal_episode, reachable_categories
 from spacevln.environments.houses.episodes.semantics import consistent_places
+from spacevln.environments.houses.episodes.worded import worded_routes
 
 __all__ = [
     "Clause",
@@ -23,4 +24,5 @@ __all__ = [
     "object_goal_episode",
     "reachable_categories",
     "route_episode",
+    "worded_routes",
 ]

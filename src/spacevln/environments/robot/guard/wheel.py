@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from spacevln.core.geometry import Float, Pose, wrap_angle
 from spacevln.environments.robot.clock import Clock
 from spacevln.environments.robot.guard.geofence import inside
-from spacevln.environments.robot.guard.obstacles import ObstacleMemory
 from spacevln.environments.robot.guard.slack import SlackMonitor
 from spacevln.environments.robot.guard.status import GuardState, GuardStatus, StopReason
+from spacevln.environments.robot.guard.surroundings import Surroundings
 from spacevln.environments.robot.messages import NANO, CameraInfo
 from spacevln.environments.robot.profile import RobotProfile
 from spacevln.environments.robot.transforms import PoseHistory
@@ -37,7 +37,7 @@ class WheelGuard:
     def __init__(self, profile: RobotProfile, clock: Clock) -> None:
         self._limits, self._watch, self._clock = profile.limits, profile.watchdog, clock
         self._lock = threading.RLock()
-        self._memory = ObstacleMemory(profile.limits)
+        self._around = Surroundings(profile.limits)
         self._slack = SlackMonitor(profile.watchdog)
         self._history = PoseHistory(profile.sync.pose_gap_s)
         self._start: Pose | None = None
@@ -57,6 +57,7 @@ class WheelGuard:
                 self._latch(StopReason.POSE_JUMP)
             self._history.add(stamp_ns, pose)
             self._start = self._start or pose
+            self._around.stand(pose)
             self._slack.moved(now_s, pose)
             if not inside(self._limits.geofence_m, *self._from_start(pose)):
                 self._latch(StopReason.GEOFENCE)
@@ -72,7 +73,7 @@ class WheelGuard:
             now_s = self._heard(StopReason.DEPTH, stamp_ns)
             pose = self._history.at(stamp_ns) or (self._history.latest[1] if self._history.latest else None)
             if pose is not None:
-                self._memory.see(depth_m, info, T_base_camera, pose, now_s)
+                self._around.see(depth_m, info, T_base_camera, pose, now_s)
 
     def wish(self, speed_m_s: float, turn_rad_s: float) -> None:
         """What the agent wants; it says so again and again while it wants it."""
@@ -110,12 +111,13 @@ class WheelGuard:
         """The newest report."""
         with self._lock:
             latest = self._history.latest
-            free_m = self._memory.free_m(latest[1]) if latest else 0.0
+            free_m = self._around.free_m(latest[1]) if latest else 0.0
             return GuardStatus(self._state, self._reason, *self._command, round(free_m, 3), self._limited, self._stops)
 
     def _follow(self, now_s: float, elapsed_s: float) -> tuple[float, float]:
         (wish_v, wish_w), limits = self._wish, self._limits
-        ceiling = self._ceiling_m_s(now_s)
+        moves = wish_v > 0 or self._command[0] > 0
+        ceiling = self._ceiling_m_s(now_s) if moves else limits.speed_m_s
         v = min(max(wish_v, 0.0), limits.speed_m_s, ceiling)  # never backwards: there is no eye behind
         w = math.copysign(min(abs(wish_w), limits.turn_rad_s), wish_w)
         self._limited = v < min(wish_v, limits.speed_m_s) - _STILL
@@ -125,15 +127,19 @@ class WheelGuard:
         return max(slowest, min(v, last_v + dv)), min(max(w, last_w - dw), last_w + dw)
 
     def _ceiling_m_s(self, now_s: float) -> float:
-        """Fastest speed from which one can still brake before the nearest obstacle ahead, and before the fence."""
+        """Fastest speed from which one can still brake before obstacles and the fence, and slow down before unseen floor."""
         latest = self._history.latest
         if latest is None:
             return 0.0
-        age_s = now_s - self._heard_s[StopReason.POSE]
-        free = self._memory.free_m(latest[1]) - self._command[0] * age_s
-        speed = math.sqrt(2 * self._limits.brake_m_s2 * max(0.0, free))
+        done_m = self._command[0] * (now_s - self._heard_s[StopReason.POSE])
+        speed = self._braking_from(self._around.free_m(latest[1]) - done_m)
+        speed = min(speed, max(self._limits.unseen_m_s, self._braking_from(self._around.seen_m(latest[1]) - done_m)))
         x, y = self._from_start(latest[1].compose(Pose(self._command[0] ** 2 / 2 / self._limits.brake_m_s2 + 0.1, 0.0)))
         return speed if inside(self._limits.geofence_m, x, y) else 0.0
+
+    def _braking_from(self, way_m: float) -> float:
+        """Speed that braking ends within a way."""
+        return math.sqrt(2 * self._limits.brake_m_s2 * max(0.0, way_m))
 
     def _missing(self, now_s: float) -> StopReason:
         """What does not come, or what is wrong with what comes."""
@@ -141,7 +147,7 @@ class WheelGuard:
         for reason, limit_s in oldest.items():
             if now_s - self._heard_s[reason] > limit_s:
                 return reason
-        if self._memory.valid_share < self._watch.depth_share:
+        if self._around.valid_share < self._watch.depth_share:
             return StopReason.BLIND
         if any(self._wish) and now_s - self._wish_s > self._watch.agent_s:
             return StopReason.AGENT
