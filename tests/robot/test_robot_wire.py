@@ -16,6 +16,7 @@ import pytest
 for needed in ("cyclonedds", "zenoh", "rosbags"):
     pytest.importorskip(needed, reason="needs the extra 'robot'")
 
+from robot_messages import HEADER, MESSAGES  # noqa: E402
 from robot_peer import Peer  # noqa: E402
 
 from spacevln.environments.robot import wire  # noqa: E402
@@ -31,10 +32,7 @@ from spacevln.environments.robot.messages import (  # noqa: E402
     Odometry,
     Quaternion,
     TFMessage,
-    TransformStamped,
     TriggerReply,
-    Twist,
-    TwistStamped,
     Vector3,
 )
 from spacevln.environments.robot.profile import Limits, Mount, RobotProfile, Watchdog  # noqa: E402
@@ -44,20 +42,6 @@ from spacevln.environments.robot.transports.zenoh import key_expression  # noqa:
 
 pytestmark = [pytest.mark.slow, pytest.mark.enable_socket]
 
-HEADER = Header(1_700_000_000_123_456_789, "camera_color_optical_frame")
-TWIST = Twist(Vector3(0.25, 0.0, 0.0), Vector3(0.0, 0.0, -0.5))
-TURN = Quaternion.of_yaw(0.7)
-NUMBERS = tuple(float(k) / 7 for k in range(12))
-MESSAGES: tuple[Message, ...] = (
-    Image(HEADER, 2, 3, "rgb8", 9, bytes(range(18))),
-    CompressedImage(HEADER, "jpeg", b"\xff\xd8\x01"),
-    CameraInfo(HEADER, 480, 640, "plumb_bob", NUMBERS[:5], NUMBERS[:9], NUMBERS[:9], NUMBERS),
-    Odometry(HEADER, "base_link", Vector3(1.0, -2.0, 0.5), TURN, TWIST),
-    TFMessage((TransformStamped(HEADER, "base", Vector3(1, 2, 3), TURN), TransformStamped(HEADER, "c", Vector3(), TURN))),
-    TFMessage(()),
-    TWIST,
-    TwistStamped(HEADER, TWIST),
-)
 PORTS = itertools.count(17_500 + os.getpid() % 400)
 DOMAINS = itertools.count(10 + os.getpid() % 60)
 

@@ -121,7 +121,7 @@ class Watchdog(_Settings):
 
     agent_s: PositiveFloat = 0.2
     pose_s: PositiveFloat = 0.25
-    image_s: PositiveFloat = 0.25
+    image_s: PositiveFloat = 0.22
     skew_s: PositiveFloat = 0.5
     clock_jump_s: PositiveFloat = 0.2
     pose_jump_m: PositiveFloat = 0.1

@@ -54,8 +54,8 @@ class SimulatedBase:
 
     @property
     def commanded(self) -> tuple[float, float]:
-        """The last command."""
-        return self._command
+        """What the base obeys now: the last command, or standing still when that is older than its time-out."""
+        return self._command if self._now_s - self._command_s <= self._settings.command_timeout_s else (0.0, 0.0)
 
     def place(self, pose: Pose) -> None:
         """Carry the robot to a pose."""
@@ -69,8 +69,7 @@ class SimulatedBase:
 
     def _step(self) -> None:
         settings = self._settings
-        fresh = self._now_s - self._command_s <= settings.command_timeout_s
-        goal_v, goal_w = self._command if fresh else (0.0, 0.0)
+        goal_v, goal_w = self.commanded
         if self.blocked:
             self.speed_m_s = self.turn_rad_s = 0.0
             return

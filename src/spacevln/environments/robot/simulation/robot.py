@@ -72,19 +72,21 @@ class Faults:
         blind: depth measures nothing (NaN).
         clock_s: the robot's clock is ahead by this.
         pose_jump_m: odometry is off by this, along x.
+        cut: nothing is sent and nothing heard, as when the network or the transport dies.
     """
 
     silent: frozenset[str] = frozenset()
     blind: bool = False
     clock_s: float = 0.0
     pose_jump_m: float = 0.0
+    cut: bool = False
 
 
 class SimulatedRobot:
     """Publishes what a robot at ``base.pose`` measures, and obeys velocity commands.
 
-    Odometry is told in a frame of its own, with the origin where the robot first stood. ``move`` and ``look`` may run on two
-    threads.
+    Poses are told as odometry, or as TF where the profile names no topic of odometry, in a frame of its own with the origin where
+    the robot first stood. ``move`` and ``look`` may run on two threads.
 
     Args:
         transport: of its messages.
@@ -138,7 +140,7 @@ class SimulatedRobot:
         if now_s >= self._next_pose_s - 1e-9:
             self._next_pose_s = max(self._next_pose_s + 1 / self.sensors.odometry_hz, now_s)
             if "pose" not in self.faults.silent:
-                self._later(self.sensors.pose_latency_s, Topic(self._profile.topics.odometry, Odometry), self._odometry())
+                self._later(self.sensors.pose_latency_s, *self._told_pose())
         while self._outbox and self._outbox[0][0] <= now_s + 1e-9:
             heapq.heappop(self._outbox)[2]()
 
@@ -174,9 +176,11 @@ class SimulatedRobot:
         return True
 
     def _commanded(self, twist: Twist) -> None:
+        if self.faults.cut:
+            return
         self.base.command(twist.linear.x, twist.angular.z, self._clock.now_s())
 
-    def _odometry(self) -> Odometry:
+    def _told_pose(self) -> tuple[Topic[Any], Any]:
         pose = self.base.pose.relative_to(self._origin)
         noise = self._pose_rng.standard_normal(3)
         x = pose.x_m + self.sensors.pose_noise_m * noise[0] + self.faults.pose_jump_m
@@ -184,8 +188,16 @@ class SimulatedRobot:
         yaw = wrap_angle(pose.yaw_rad + math.radians(self.sensors.pose_noise_deg) * noise[2])
         frames = self._profile.frames
         twist = Twist(Vector3(x=self.base.speed_m_s), Vector3(z=self.base.turn_rad_s))
-        header = Header(self._stamp_ns(), frames.fixed)
-        return Odometry(header, frames.base, Vector3(float(x), float(y), 0.0), Quaternion.of_yaw(float(yaw)), twist)
+        header, position, turn = (
+            Header(self._stamp_ns(), frames.fixed),
+            Vector3(float(x), float(y)),
+            Quaternion.of_yaw(float(yaw)),
+        )
+        topics = self._profile.topics
+        if not topics.odometry:
+            transform = TransformStamped(header, frames.base, position, turn)
+            return Topic(topics.tf, TFMessage, Qos.RELIABLE), TFMessage((transform,))
+        return Topic(topics.odometry, Odometry), Odometry(header, frames.base, position, turn, twist)
 
     def _mount(self) -> TFMessage:
         optical = Quaternion(-0.5, 0.5, -0.5, 0.5)  # z forward, x right
@@ -200,4 +212,6 @@ class SimulatedRobot:
         heapq.heappush(self._outbox, (due_s, next(self._order), lambda: self._send(topic, message)))
 
     def _send(self, topic: Topic[Any], message: Any) -> None:
+        if self.faults.cut:
+            return
         self._transport.publish(topic, message)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import array
 import importlib
 import threading
 import time
@@ -23,6 +24,8 @@ _QOS = {
     Qos.RELIABLE: (ReliabilityPolicy.RELIABLE, DurabilityPolicy.VOLATILE, 10),
     Qos.LATCHED: (ReliabilityPolicy.RELIABLE, DurabilityPolicy.TRANSIENT_LOCAL, 10),
 }
+_SEQUENCES = {"data": "B", "d": "d"}
+"""Numeric fields of variable length, of the types used here, and their type codes."""
 
 
 def _class(ros_name: str) -> Any:
@@ -31,7 +34,12 @@ def _class(ros_name: str) -> Any:
 
 
 def _make(ros_name: str, /, **fields: Any) -> Any:
-    return _class(ros_name)(**fields)
+    return _class(ros_name)(**{name: _taken(name, value) for name, value in fields.items()})
+
+
+def _taken(name: str, value: Any) -> Any:
+    """Generated classes take numpy arrays in fields of fixed length only."""
+    return array.array(_SEQUENCES[name], value.tobytes()) if name in _SEQUENCES else value
 
 
 def _profile(qos: Qos) -> QoSProfile:
