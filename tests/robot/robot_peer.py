@@ -16,6 +16,7 @@ from spacevln.environments.robot.transport import Qos, Topic, Transport
 
 CAMERA = Camera(64, 48, 79.0, 0.88)
 COMMAND_TIMEOUT_S = 0.25  # of the simulated base
+_PERIOD_S = 0.05
 
 
 class Peer:
@@ -24,6 +25,8 @@ class Peer:
     def __init__(self, transport: Transport, profile: RobotProfile) -> None:
         self.transport, self.profile = transport, profile
         self.commands: list[tuple[float, float, float]] = []
+        self.starved_s = 0.0
+        """Longest time for which this machine kept even this process waiting, since it was last set to 0."""
         transport.subscribe(Topic(profile.topics.cmd_vel, Twist, Qos.RELIABLE), self._commanded)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._talk)
@@ -35,14 +38,15 @@ class Peer:
             assert time.monotonic() < end, "no velocity came"
             time.sleep(0.01)
 
-    def wait_for_zero(self, timeout_s: float = 20.0) -> float:
-        """Steady time at which the wheels stand: with the first zero, or by the base's time-out where none came for so long."""
+    def wait_for_zero(self, timeout_s: float = 20.0) -> tuple[float, float]:
+        """Steady times of the first zero, and when the wheels stand: then, or earlier by the base's time-out."""
         end = time.monotonic() + timeout_s
         while self.commands[-1][1:] != (0.0, 0.0):
             assert time.monotonic() < end, "the wheels were not stopped"
             time.sleep(0.005)
         moving = [time_s for time_s, v, w in self.commands if (v, w) != (0.0, 0.0)]
-        return min(moving[-1] + COMMAND_TIMEOUT_S, *(time_s for time_s, _, _ in self.commands if time_s > moving[-1]))
+        zero_s = min(time_s for time_s, _, _ in self.commands if time_s > moving[-1])
+        return zero_s, min(moving[-1] + COMMAND_TIMEOUT_S, zero_s)
 
     def close(self) -> None:
         self._ended.set()
@@ -55,7 +59,10 @@ class Peer:
     def _talk(self) -> None:
         topics = self.profile.topics
         rgb, depth = np.zeros((48, 64, 3), np.uint8), np.full((48, 64), 9.0, np.float32)
-        while not self._ended.wait(0.05):
+        last_s = time.monotonic()
+        while not self._ended.wait(_PERIOD_S):
+            self.starved_s = max(self.starved_s, time.monotonic() - last_s - _PERIOD_S)
+            last_s = time.monotonic()
             header = Header(time.time_ns(), "camera")
             odometry = Odometry(Header(header.stamp_ns, "odom"), "base_link", Vector3(), Quaternion())
             info = info_of(CAMERA, header)

@@ -10,17 +10,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spacevln.assembly.attentive import Attention
+from spacevln.assembly.attentive import Attention, way_ahead_m
 from spacevln.core import (
+    AdmissibleActions,
+    Anchor,
     Camera,
     EnvironmentFailure,
     EpisodeSpec,
+    ExecutorContext,
     InstructionTask,
     MoveForward,
     Observation,
+    ObstacleDistances,
     Pose,
     RecordError,
+    SpaceKind,
+    StageRecord,
     Stop,
+    Subtask,
     TurnLeft,
 )
 from spacevln.environments.playback.environment import PlaybackEnvironment
@@ -176,3 +183,20 @@ def test_the_map_goes_on_while_a_model_thinks() -> None:
 
     with pytest.raises(EnvironmentFailure, match="no"):
         attention.during(fail, grid)
+
+
+def test_a_robot_goes_on_where_the_stages_next_waypoint_lies_ahead() -> None:
+    views, grid = walk(), MetricMap()
+    grid.integrate(views[0])
+
+    def context(target: tuple[float, float] | None, forward_m: tuple[float, ...] = (0.5, 1.0)) -> ExecutorContext:
+        anchor, there = Anchor("bedroom", SpaceKind.ROOM), None if target is None else (*target, 0.0)
+        subtask = Subtask((anchor, anchor), 0, anchor, anchor, "front", "go", "", complete=False, target_m=there)
+        obstacles, progress = ObstacleDistances(2.0, 2.0, 2.0), StageRecord(views[0].pose)
+        return ExecutorContext(views[0], obstacles, (), subtask, progress, AdmissibleActions(forward_m, True, True), grid, 5)
+
+    assert way_ahead_m(context((0.9, 0.0))) == pytest.approx(0.9, abs=0.06)
+    assert way_ahead_m(context((3.0, 0.0))) in (0.0, 1.0)  # as far as is known to be free, and as control lets it
+    assert way_ahead_m(context((0.9, 0.0), ())) == 0.0
+    assert way_ahead_m(context(None)) == 0.0
+    assert way_ahead_m(context((0.6, 0.6))) == 0.0  # aside

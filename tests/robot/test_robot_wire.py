@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import os
 import signal
 import subprocess
@@ -10,6 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -42,6 +44,7 @@ from spacevln.environments.robot.transports.zenoh import key_expression  # noqa:
 
 pytestmark = [pytest.mark.slow, pytest.mark.enable_socket]
 
+LINK = Path(__file__).parents[2] / "benchmarks" / "robot_link.py"
 PORTS = itertools.count(17_500 + os.getpid() % 400)
 DOMAINS = itertools.count(10 + os.getpid() % 60)
 
@@ -127,6 +130,24 @@ def test_messages_late_joiners_and_services(pair: tuple[Transport, Transport]) -
     assert late[0] == transforms
 
 
+def test_half_a_minute_of_images_over_loopback() -> None:
+    """Two processes each, both transports at once, 640x480 at 10 Hz: what the issue asks of ten minutes (docs/results.md)."""
+    links = [
+        subprocess.Popen(
+            [sys.executable, LINK, name, "--seconds", "30", "--domain", str(next(DOMAINS)), "--port", str(next(PORTS))],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for name in ("dds", "zenoh")
+    ]
+    for link in links:
+        told = json.loads(link.communicate(timeout=120)[0])
+        assert told["commands"]["lost"] == 0  # reliable
+        for stream in told["streams"].values():
+            assert stream["lost"] <= 0.02 * stream["sent"]  # best effort: what a busy machine may drop
+            assert stream["median_ms"] < 15
+
+
 def profile_of(name: str) -> tuple[RobotProfile, dict[str, object]]:
     one, other = settings(name)
     profile = RobotProfile(
@@ -157,7 +178,21 @@ while True:
 @pytest.mark.parametrize("name", ["dds", "zenoh"])
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP, signal.SIGINT])
 def test_the_wheels_stop_when_the_agent_is_gone(name: str, how: signal.Signals) -> None:
-    """Killed or frozen: zero within 0.3 s, and it is the last command; the guard ends when the agent did."""
+    """Killed or frozen: the guard's own zero comes within 0.3 s, and it is the last command.
+
+    A machine that keeps the test itself waiting for as long as that can not tell: then it is tried again. Even then the wheels
+    stand in time, by the base's own time-out.
+    """
+    for _ in range(3):
+        zero_s, stands_s, starved_s = end_of_agent(name, how)
+        assert stands_s < 0.3
+        if starved_s < 0.1:
+            break
+    assert zero_s < 0.3 or starved_s >= 0.1
+
+
+def end_of_agent(name: str, how: signal.Signals) -> tuple[float, float, float]:
+    """Seconds from the signal to the first zero, and until the wheels stand; and for how long nobody could run."""
     profile, listening = profile_of(name)
     peer = Peer(open_transport(profile.transport, **listening), profile)  # type: ignore[arg-type]
     agent = subprocess.Popen(
@@ -167,10 +202,11 @@ def test_the_wheels_stop_when_the_agent_is_gone(name: str, how: signal.Signals) 
         assert agent.stdout is not None
         guard = int(agent.stdout.readline())
         peer.wait_for_motion()
-        gone_s = time.monotonic()
+        peer.starved_s, gone_s = 0.0, time.monotonic()
         agent.send_signal(how)
-        stopped_s = peer.wait_for_zero()
-        assert stopped_s - gone_s < 0.3
+        zero_s, stands_s = peer.wait_for_zero()
+        time.sleep(0.1)  # until the peer could notice
+        starved_s = peer.starved_s
     finally:
         agent.kill()
         agent.wait()
@@ -181,6 +217,7 @@ def test_the_wheels_stop_when_the_agent_is_gone(name: str, how: signal.Signals) 
         time.sleep(0.05)
     assert peer.commands[-1][1:] == (0.0, 0.0)
     peer.close()
+    return zero_s - gone_s, stands_s - gone_s, starved_s
 
 
 def _alive(pid: int) -> bool:

@@ -24,7 +24,7 @@ from spacevln.mapping import MetricMap
 R = TypeVar("R")
 Proceed = Callable[[float, Callable[[], bool]], None]
 _PERIOD_S = 0.2
-AHEAD_RAD = math.radians(22.5)
+AHEAD_DEG = 22.5
 """A waypoint so far aside is not ahead: half a robot's turn."""
 
 
@@ -108,7 +108,7 @@ def way_ahead_m(context: ExecutorContext) -> float:
     if target is None or not context.admissible.forward_m:
         return 0.0
     way = context.space.path(pose.xy_m, target)
-    if len(way) < 2 or abs(pose.bearing_rad(*map(float, way[1]))) > AHEAD_RAD:
+    if len(way) < 2 or abs(pose.bearing_rad(*map(float, way[1]))) > math.radians(AHEAD_DEG):
         return 0.0
     ahead_m = min(context.admissible.forward_m[-1], pose.distance_m(*map(float, way[1])))
     there = pose.compose(Pose(ahead_m, 0.0)).xy_m

@@ -7,23 +7,27 @@ route lies on one storey, and a robot of the given size fits through all of it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from spacevln.core import InstructionTask, UsageError
+from spacevln.core import InstructionTask, Pose, UsageError
 from spacevln.environments.houses.episodes import Grounds, HouseEpisode, worded_routes
 from spacevln.environments.houses.walking.geodesics import Geodesics
+from spacevln.evaluation.episode import Points
 from spacevln.evaluation.houses import densify, grounds_of, split_of
 from spacevln.evaluation.robot_routes import Route, Routes
 
 OPEN, CLUTTERED, CROSS = "Open", "Cluttered", "Cross-area"
 WORDINGS = {OPEN: (3,) * 6, CLUTTERED: (3,) * 6, CROSS: (3, 3, 3, 3, 2)}
 """Language variants of each route, by setting (paper)."""
-FITS_M = 0.3
-"""Radius of the disc that must fit through a route: the simulated robot's, and what its guard keeps free around it."""
-OPEN_M, CLUTTERED_M = 0.55, 0.4
+FITS_M = 0.25
+"""Radius of the disc that must fit through a route: more than the simulated robot's guard keeps free around it."""
+BESIDE_GOAL_M = (0.0, 0.25, 0.5, 0.75)
+"""So near to a goal beside furniture that disc must get, at least."""
+OPEN_M, CLUTTERED_M = 0.5, 0.4
 """Median room beside the way, to the nearest obstacle."""
 CROSSED_DOORS = 2
 _ATTEMPTS = 12
@@ -88,7 +92,7 @@ def _setting(grounds: Grounds, wide: Geodesics, episode: HouseEpisode) -> str | 
     start, goal = episode.spec.start, episode.goals[0]
     if episode.tags.floors > 1:
         return None
-    path = wide.path((start.x_m, start.y_m, start.z_m), goal)
+    path = _wide_path(wide, start, goal)
     floor = grounds.walkable.floors[grounds.walkable.floor_index(start.x_m, start.y_m, start.z_m)]
     if len(path) < 2 or floor.clearance_m[floor.cell(start.x_m, start.y_m)] < FITS_M:
         return None
@@ -96,6 +100,17 @@ def _setting(grounds: Grounds, wide: Geodesics, episode: HouseEpisode) -> str | 
         return CROSS
     room_m = float(np.median([floor.clearance_m[floor.cell(float(x), float(y))] for x, y, _ in densify(path, _DENSE_M)]))
     return OPEN if room_m >= OPEN_M else CLUTTERED if room_m < CLUTTERED_M else None
+
+
+def _wide_path(wide: Geodesics, start: Pose, goal: tuple[float, float, float]) -> Points:
+    """The robot's way to the goal or beside it; empty where it does not fit."""
+    field, (x, y, z) = wide.distances_from([start.position_m]), goal
+    for away_m in BESIDE_GOAL_M:
+        for angle in np.linspace(0, 2 * math.pi, 8, endpoint=False):
+            path = field.path(x + away_m * math.cos(angle), y + away_m * math.sin(angle), z)
+            if len(path) > 1:
+                return path
+    return np.zeros((0, 3))
 
 
 def _route(setting: str, number: int, episodes: Sequence[HouseEpisode]) -> Route:
