@@ -11,6 +11,7 @@ import numba
 import numpy as np
 from house_truth import FINE_M, FROM_M, TO_M, Truth, VisibleFloor
 from house_walks import WalkedHouse, to_episode, to_scene
+from scipy import ndimage
 
 from spacevln.core import Observation, Pose, SpatialMap
 from spacevln.environments.houses.ground.walkable import AGENT_RADIUS_M
@@ -20,6 +21,7 @@ from spacevln.mapping.geodesics import FreeGrid
 CELL_M = 0.05
 _SPAN_CELLS = 2400  # the house lies within 60 m around the start
 _RAYS = 15
+LEAST_WAY_M = 2.0
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,9 @@ class Score:
         marked: cells with 3 depth pixels of obstacle height or more that are obstacles.
         free: free cells whose centre is free.
         explored: floor that rays reach that is explored.
-        ways: (N,) map distance over true distance, of known ways over 2 m.
-        bracketed: (N,) whether each is within 5 % of the true distances of bodies half a cell thinner and thicker.
+        ways: (N,) map distance over true distance with the same inflation, of known ways over 2 m.
+        disc_ways: (M,) the same over the true distance of a disc of the body's radius, whatever the cells.
+        bracketed: (M,) whether each of these is within 5 % of the true distances of discs half a cell thinner and thicker.
     """
 
     precise: float
@@ -40,6 +43,7 @@ class Score:
     free: float
     explored: float
     ways: np.ndarray
+    disc_ways: np.ndarray
     bracketed: np.ndarray
 
 
@@ -86,15 +90,17 @@ class Witness:
         obstacles, seen, free = (
             self._off_stairs(some) for some in (cells[known.is_obstacle(cells)], seen, cells[known.is_free(cells)])
         )
-        ways = np.array(list(self._ways(known, truth, floor))).reshape(-1, 2)
+        places = self._places(floor)
+        discs = np.array(list(_disc_ways(known, truth, start, places[:: max(1, len(places) // 8)]))).reshape(-1, 2)
         reached = (np.array(sorted(self._reached[floor])) + 0.5) * CELL_M
         return Score(
             float(np.mean(truth.at(truth.distance_m, to_scene(start, obstacles)) <= 0.10)),
             float(known.is_obstacle(seen).mean()),
             float(1 - truth.at(truth.solid, to_scene(start, free)).mean()),
             float(known.is_explored(reached).mean()),
-            ways[:, 0],
-            ways[:, 1] != 0,
+            np.array(list(_ways(known, same_inflation(truth, start), start, places))),
+            discs[:, 0],
+            discs[:, 1] != 0,
         )
 
     def _off_stairs(self, xy_m: np.ndarray) -> np.ndarray:
@@ -105,23 +111,60 @@ class Witness:
         ]
         return xy_m[~np.array(on, bool).reshape(len(xy_m), -1).any(axis=1)]
 
-    def _ways(self, known: SpatialMap, truth: Truth, floor: int) -> Iterable[tuple[float, bool]]:
-        """Map over true length of the shortest ways that the map knows whole."""
-        thin, exact, thick = (_open_space(truth, AGENT_RADIUS_M + side * CELL_M / 2) for side in (-1, 0, 1))
-        start, z_m = self.walked.start, self._floors[floor].z_m
+    def _places(self, floor: int) -> list[np.ndarray]:
+        """Some 16 places along the walk on a floor, scene frame."""
+        z_m = self._floors[floor].z_m
         places = [stop.pose.xy_m for stop in self.walked.stops if abs(stop.pose.z_m - z_m) < 0.05]
-        places = places[:: max(1, len(places) // 12)]
-        for a in places[::3]:
-            fields = [space.field(a - truth.origin_m) for space in (thin, exact, thick)]
-            for b in places:
-                way = fields[1].path_to(b - truth.origin_m) + truth.origin_m
-                if math.dist(a, b) < 2.0 or len(way) < 2:
-                    continue
-                dense = np.concatenate([p + np.linspace(0, 1, 50)[:, None] * (q - p) for p, q in pairwise(way)])
-                if known.is_free(to_episode(start, dense)).all():
-                    found = known.geodesic_m(to_episode(start, a[None])[0], to_episode(start, b[None])[0])
-                    low, high = (_length(fields[k].path_to(b - truth.origin_m)) for k in (0, 2))
-                    yield found / _length(way), 0.95 * low <= found <= 1.05 * high
+        return places[:: max(1, len(places) // 16)]
+
+
+def same_inflation(truth: Truth, start: Pose) -> FreeGrid:
+    """Where a body may be by the true geometry, inflated as the map does it: on the map's cells, episode frame.
+
+    A cell is solid when anything in it is; closed is what has the centre of a solid cell nearer than the body's radius.
+    """
+    extent = np.array(truth.solid.shape) * FINE_M
+    corners = to_episode(start, truth.origin_m + np.array([(0, 0), (0, 1), (1, 0), (1, 1)]) * extent)
+    low, high = np.floor(corners.min(axis=0) / CELL_M).astype(int), np.ceil(corners.max(axis=0) / CELL_M).astype(int)
+    cells = np.argwhere(np.ones(high - low, bool)) + low
+    solid = np.zeros(len(cells), bool)
+    for part in (np.argwhere(np.ones((5, 5), bool)) + 0.5) / 5:
+        solid |= truth.at(truth.solid, to_scene(start, (cells + part) * CELL_M))
+    away = ndimage.distance_transform_edt(~solid.reshape(high - low))
+    open_cells = (away**2 >= (AGENT_RADIUS_M / CELL_M) ** 2 - 1e-6).astype(np.uint8)
+    open_cells[[0, -1]] = open_cells[:, [0, -1]] = 0
+    return FreeGrid(int(low[0]), int(low[1]), CELL_M, open_cells)
+
+
+def _ways(known: SpatialMap, truth: FreeGrid, start: Pose, places: list[np.ndarray]) -> Iterable[float]:
+    """Map over true length of the shortest ways that the map knows whole: all pairs of places."""
+    points = to_episode(start, np.array(places))
+    for k, a in enumerate(points):
+        field, found = truth.field(a), known.geodesic_field(a).at(points)
+        for b, found_m, true_m in zip(points[:k], found, field.at(points), strict=False):
+            way = field.path_to(b)
+            if true_m > LEAST_WAY_M and len(way) and known.is_free(_along(way)).all():
+                yield found_m / true_m
+
+
+def _disc_ways(known: SpatialMap, truth: Truth, start: Pose, places: list[np.ndarray]) -> Iterable[tuple[float, bool]]:
+    """Map over true length of a disc's ways, and whether discs half a cell thinner and thicker explain the difference."""
+    thin, exact, thick = (_open_space(truth, AGENT_RADIUS_M + side * CELL_M / 2) for side in (-1, 0, 1))
+    for k, a in enumerate(places):
+        fields = [space.field(a - truth.origin_m) for space in (thin, exact, thick)]
+        for b in places[:k]:
+            way = fields[1].path_to(b - truth.origin_m) + truth.origin_m
+            if _length(way) <= LEAST_WAY_M or not known.is_free(to_episode(start, _along(way))).all():
+                continue
+            found_m = known.geodesic_m(to_episode(start, a[None])[0], to_episode(start, b[None])[0])
+            low_m, high_m = (_length(fields[k].path_to(b - truth.origin_m)) for k in (0, 2))
+            yield found_m / _length(way), 0.95 * low_m <= found_m <= 1.05 * high_m
+
+
+def _along(way: np.ndarray) -> np.ndarray:
+    """Points every 2 cm on a polyline."""
+    legs = [p + np.linspace(0, 1, math.ceil(math.dist(p, q) / 0.02) + 1)[:, None] * (q - p) for p, q in pairwise(way)]
+    return np.concatenate(legs)
 
 
 def _open_space(truth: Truth, radius_m: float) -> FreeGrid:
@@ -143,15 +186,15 @@ def _count(depth_m: np.ndarray, T: np.ndarray, intrinsics: np.ndarray, feet_m: f
     half = pixels.shape[0] // 2
     for v in range(depth_m.shape[0]):
         for u in range(depth_m.shape[1]):
-            d = depth_m[v, u]
-            if not 0.5 <= d <= 5.0:
+            ahead = depth_m[v, u]
+            if not 0.5 <= ahead <= 5.0:
                 continue
-            local = np.array([d, -(u + 0.5 - intrinsics[2]) / intrinsics[0] * d, -(v + 0.5 - intrinsics[3]) / intrinsics[1] * d])
-            z = T[2, 0] * local[0] + T[2, 1] * local[1] + T[2, 2] * local[2] + T[2, 3] - feet_m
-            if not FROM_M <= z <= TO_M:
+            left = -(u + 0.5 - intrinsics[2]) / intrinsics[0] * ahead
+            up = -(v + 0.5 - intrinsics[3]) / intrinsics[1] * ahead
+            if not FROM_M <= T[2, 0] * ahead + T[2, 1] * left + T[2, 2] * up + T[2, 3] - feet_m <= TO_M:
                 continue
-            x = T[0, 0] * local[0] + T[0, 1] * local[1] + T[0, 2] * local[2] + T[0, 3]
-            y = T[1, 0] * local[0] + T[1, 1] * local[1] + T[1, 2] * local[2] + T[1, 3]
+            x = T[0, 0] * ahead + T[0, 1] * left + T[0, 2] * up + T[0, 3]
+            y = T[1, 0] * ahead + T[1, 1] * left + T[1, 2] * up + T[1, 3]
             i, j = int(np.floor(x / CELL_M)) + half, int(np.floor(y / CELL_M)) + half
             if 0 <= i < pixels.shape[0] and 0 <= j < pixels.shape[1] and pixels[i, j] < 60000:
                 pixels[i, j] += 1

@@ -11,6 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -231,6 +232,9 @@ class Regions:
         """Whether two waypoints of one type stand in one space."""
         if thresholds.between(a.floor, a.pose.xy_m, b.pose.xy_m):
             return False
+        way = metric_map.path(a.pose.xy_m, b.pose.xy_m)
+        if any(thresholds.between(a.floor, p, q) for p, q in pairwise(way)):
+            return False  # their floors meet outside, as before two doors side by side
         one, two = self._supports[a.index].cells, self._supports[b.index].cells
         shared = len(np.intersect1d(one, two, assume_unique=True))
         if shared >= MIN_OVERLAP * min(len(one), len(two)):

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.core import Sighting
+from spacevln.core import LandmarkCue, Sighting
 from spacevln.language import attributes_of, head_noun
 from spacevln.language.nouns_lexicon import OPENINGS, STAIRS
 
@@ -252,6 +252,22 @@ class Sightings:
                 Portal(len(portals), glimpse.category, glimpse.attributes, glimpse.floor, xy, along, GUESSED_WIDTH_M, 0.1)
             )
         return portals
+
+
+def remembered(cue: LandmarkCue) -> Sighting | None:
+    """The sighting behind a waypoint's cue; None for one without a place, and for a way through, whose threshold is not kept."""
+    if cue.position_m is None or head_noun(cue.category) in OPENINGS:
+        return None
+    return Sighting(
+        category=cue.category,
+        confidence=cue.confidence,
+        box_px=(0, 0, 0, 0),
+        position_m=cue.position_m,
+        distance_m=cue.distance_m,
+        bearing_rad=0.0,
+        extent_m=cue.extent_m,
+        attributes=cue.attributes,
+    )
 
 
 def _agree(a: tuple[str, ...], b: tuple[str, ...]) -> bool:

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from spacevln.core import Anchor, PlannerContext, Pose, StageEnd
+from spacevln.core import Anchor, Mark, PlannerContext, Pose, StageEnd
 from spacevln.reasoning.rules.flights import Crossing, Flight
 from spacevln.reasoning.rules.grid import FloorGrid, square_rad
 from spacevln.reasoning.rules.heading import way_length_m
 from spacevln.reasoning.rules.legs import Node
-from spacevln.reasoning.rules.sightings import XY, Sightings
+from spacevln.reasoning.rules.sightings import XY, Sightings, remembered
 from spacevln.reasoning.rules.world import FLOOR_HEIGHT_M, Link, World, build_grid
 
 REACHED_M = 0.7
@@ -61,6 +61,7 @@ class EpisodeState:
             self.start = None
         if self.start is None:
             self.start = (floor, pose)
+            self._recall(context)
         here = (pose.x_m, pose.y_m)
         if self.crossing is None:
             if self.last_pose is not None and self.last_pose[0] != floor:
@@ -75,6 +76,21 @@ class EpisodeState:
         frontiers = context.memory.frontiers if context.memory is not None else ()
         self.grids[floor] = build_grid(context.space, self.sightings, pose, self.visited, frontiers, floor)
         return self.world(context, floor)
+
+    def _recall(self, context: PlannerContext) -> None:
+        """Take in what a loaded memory knows of earlier episodes: where one stood, and the things seen from there.
+
+        Ways through are left out: a cue has no threshold.
+        """
+        for item in context.memory.waypoints if context.memory is not None else ():
+            if Mark.EARLIER not in item.marks:
+                continue
+            waypoint = item.waypoint
+            stood = (waypoint.pose.x_m, waypoint.pose.y_m)
+            self.visited.append((waypoint.floor, stood))
+            self.levels.setdefault(waypoint.floor, waypoint.pose.z_m)
+            things = [seen for cue in waypoint.cues if (seen := remembered(cue)) is not None]
+            self.sightings.add(things, waypoint.floor, stood, self.sightings.square_rad)
 
     def world(self, context: PlannerContext, floor: int) -> World:
         """The picture of everything known."""

@@ -1,39 +1,44 @@
-"""A furnished house explored by the scripted walk and remembered, with the true room types as the planner's words."""
+"""A furnished house explored by the scripted walk, mapped and remembered, with the true room types as the planner's words."""
 
 from __future__ import annotations
 
-import functools
 import itertools
-import math
-from dataclasses import astuple, dataclass, field, replace
+from dataclasses import astuple, dataclass, field
 
 import numpy as np
+from house_scores import Witness
+from house_walks import CAMERA, WalkedHouse, look, to_episode, walk
 from numpy.typing import NDArray
 
-from spacevln.core import Camera, EpisodeSpec, InstructionTask, Observation, Pose
-from spacevln.environments.houses.environment import HousesEnvironment, load_place
+from spacevln.core import Camera
 from spacevln.environments.houses.plan import House, Room
-from spacevln.environments.houses.walking.geodesics import Geodesics
 from spacevln.language import known_categories
 from spacevln.mapping import MetricMap
 from spacevln.memory import SpatialCognitiveMemory
 from spacevln.memory.region_raster import RegionRaster, region_raster
 from spacevln.perception import LabelDetector, lift
-from spacevln.testing.walks import scripted_walk, turned_around
-
-CAMERA = Camera(320, 240, 79.0, 0.88)
-place_of = functools.lru_cache(maxsize=2)(load_place)
 
 
 @dataclass
 class Explored:
-    """A house and what is remembered of it; poses of the memory are relative to ``start``."""
+    """What the map and the memory know after a walk; poses of the memory are relative to the first one.
 
-    house: House
-    start: Pose
+    Args:
+        walked: the house and the walk.
+        witness: of what was to be seen.
+        rooms: of each waypoint.
+    """
+
+    walked: WalkedHouse
+    witness: Witness
     metric_map: MetricMap = field(default_factory=MetricMap)
     memory: SpatialCognitiveMemory = field(default_factory=SpatialCognitiveMemory)
-    rooms: list[Room] = field(default_factory=list)  # of each waypoint
+    rooms: list[Room] = field(default_factory=list)
+
+    @property
+    def house(self) -> House:
+        """The plan."""
+        return self.walked.place.drawable.house
 
     @property
     def visited(self) -> list[Room]:
@@ -54,8 +59,7 @@ class Explored:
 
     def to_memory(self, xy: NDArray[np.float64]) -> NDArray[np.float64]:
         """Scene points (N, 2) in the memory's frame."""
-        c, s = math.cos(self.start.yaw_rad), math.sin(self.start.yaw_rad)
-        return (xy - self.start.xy_m) @ np.array([[c, -s], [s, c]])
+        return to_episode(self.walked.start, xy)
 
     def floor_points(self, room: Room) -> NDArray[np.float64]:
         """Known free floor of a room, one point every 10 cm, memory's frame."""
@@ -69,35 +73,22 @@ class Explored:
         return points[crop.free[row, column]]
 
 
-def explore(seed: int, environment: HousesEnvironment, rooms: int | None = None) -> Explored:
-    """Walk through every room, or so many, look around, add a Spatial Waypoint at each look-around."""
-    place = place_of(f"house-{seed:06d}")
-    house, detector = place.drawable.house, LabelDetector()
-    explored: Explored | None = None
-
-    def look(pose: Pose) -> Observation:
-        assert explored is not None
-        seen = environment.reset(EpisodeSpec("", house.name, pose, InstructionTask("look")))
-        return replace(seen, pose=pose.relative_to(explored.start), T_world_camera=None)
-
-    pending = False
-    for number, stand in enumerate(scripted_walk(Geodesics(place.ground), seed, rooms=rooms)):
-        explored = explored or Explored(house, stand.pose)
-        pending = pending or stand.looks_around
-        if not (pending and stand.room is not None):
-            if number % 2 == 0 or stand.room is None:  # every half metre, on stairs twice as often
-                explored.metric_map.integrate(look(stand.pose))
-            continue
-        pending = False
-        views = [look(pose) for pose in turned_around(stand.pose)]
-        for view in views:
-            explored.metric_map.integrate(view)
-        found = detector.detect(views, known_categories())
-        sightings = [sighting for view, detections in zip(views, found, strict=True) for sighting in lift(view, detections)]
-        pose = stand.pose.relative_to(explored.start)
-        explored.memory.add_waypoint(pose, stand.room.type, sightings, explored.metric_map)
-        explored.rooms.append(stand.room)
-    assert explored is not None
+def explore(seed: int, rooms: int | None = None, camera: Camera = CAMERA) -> Explored:
+    """Walk through every room, or so many, map every image, add a Spatial Waypoint at each look-around."""
+    walked, detector = walk(seed, rooms), LabelDetector()
+    explored = Explored(walked, Witness(walked, np.random.default_rng(seed)))
+    for stop, images in look(walked, camera):
+        for pose, image in zip(stop.poses, images, strict=True):
+            explored.metric_map.integrate(image)
+            explored.witness.see(pose, image)
+        if stop.looks_around and stop.room is not None:
+            found = detector.detect(images, known_categories())
+            sightings = [
+                sighting for image, detections in zip(images, found, strict=True) for sighting in lift(image, detections)
+            ]
+            pose = stop.pose.relative_to(walked.start)
+            explored.memory.add_waypoint(pose, stop.room.type, sightings, explored.metric_map)
+            explored.rooms.append(stop.room)
     return explored
 
 
