@@ -11,7 +11,7 @@ import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spacevln.mapping.cells import free_of
+from spacevln.mapping.cells import FREE_EVIDENCE
 from spacevln.mapping.floors import Floor
 from spacevln.mapping.tiles import TiledLayer
 from spacevln.mapping.traces import Trace
@@ -80,21 +80,25 @@ def crop_floor(
     i0, j0 = math.floor(centre[0] / resolution_m) - reach, math.floor(centre[1] / resolution_m) - reach
     offset = centre[0] / resolution_m - i0, centre[1] / resolution_m - j0
 
-    def turned(layer: TiledLayer) -> NDArray[np.uint8]:
-        return np.asarray(_turn(layer.window(i0, j0, 2 * reach, 2 * reach), n, offset[0], offset[1], c, s))
+    def window(layer: TiledLayer) -> NDArray[np.uint8]:
+        return layer.window(i0, j0, 2 * reach, 2 * reach)
 
-    seen, solid = turned(floor.seen), turned(floor.solid)
+    def turned(window: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        return np.asarray(_turn(window, n, offset[0], offset[1], c, s))
+
+    # Three masks share the bits of one image: turning costs more than all else.
+    explored, obstacle, free = _split(turned(_packed(window(floor.seen), window(floor.solid))))
     return MapCrop(
         centre_xy_m=centre,
         size_m=size_m,
         up_rad=up_rad,
         resolution_m=resolution_m,
-        explored=seen != 0,
-        obstacle=solid != 0,
-        free=free_of(seen, solid),
+        explored=explored,
+        obstacle=obstacle,
+        free=free,
         trajectory=_draw(trace.episode, floor.id, centre, up_rad, resolution_m, n),
         stage_trajectory=_draw(trace.stage, floor.id, centre, up_rad, resolution_m, n),
-        semantic={term: turned(layer) != 0 for term, layer in sorted(floor.semantic.items())},
+        semantic={term: turned(window(layer)) != 0 for term, layer in sorted(floor.semantic.items())},
     )
 
 
@@ -107,6 +111,29 @@ def _draw(trace: Float, floor: int, centre: tuple[float, float], up_rad: float, 
     for first, end in zip(edges[::2], edges[1::2], strict=True):
         cv2.polylines(image, [np.rint(px[first:end]).astype(np.int32)], False, 1)
     return np.asarray(image != 0)
+
+
+@numba.njit(cache=True)
+def _packed(seen: NDArray[np.uint8], solid: NDArray[np.uint8]) -> Any:  # pragma: no cover - compiled
+    """Bits of every cell: 1 explored, 2 obstacle, 4 free floor."""
+    out = np.empty(seen.shape, np.uint8)
+    flags, bins, bits = seen.ravel(), solid.ravel(), out.ravel()
+    for k in range(len(bits)):
+        free = (flags[k] & FREE_EVIDENCE != 0) & (bins[k] == 0)
+        bits[k] = np.uint8(flags[k] != 0) | np.uint8(bins[k] != 0) << 1 | np.uint8(free) << 2
+    return out
+
+
+@numba.njit(cache=True)
+def _split(image: NDArray[np.uint8]) -> Any:  # pragma: no cover - compiled
+    """One mask per bit of :func:`_packed`."""
+    masks = np.empty(image.shape, np.bool_), np.empty(image.shape, np.bool_), np.empty(image.shape, np.bool_)
+    bits, explored, obstacle, free = image.ravel(), masks[0].ravel(), masks[1].ravel(), masks[2].ravel()
+    for k in range(len(bits)):
+        explored[k] = bits[k] & 1 != 0
+        obstacle[k] = bits[k] & 2 != 0
+        free[k] = bits[k] & 4 != 0
+    return masks
 
 
 @numba.njit(cache=True)

@@ -69,15 +69,15 @@ def outlined(text: str) -> Image.Image:
 
 
 @lru_cache(maxsize=1)
-def directions() -> Image.Image:
-    """What lies beyond each border."""
-    overlay, middle = Image.new("RGBA", (SIZE_PX, SIZE_PX)), SIZE_PX // 2
+def directions() -> tuple[tuple[Image.Image, tuple[int, int]], ...]:
+    """What lies beyond each border: words, and where their upper left corners stand."""
+    placed, middle = [], SIZE_PX // 2
     for text, share_u, share_v in (("front", 0.5, 0.0), ("back", 0.5, 1.0), ("left", 0.0, 0.5), ("right", 1.0, 0.5)):
         word = outlined(text)
         u = 4 + round(share_u * (SIZE_PX - 8 - word.width))
         v = 2 + round(share_v * (SIZE_PX - 4 - word.height))
-        overlay.paste(word, (u if share_u != 0.5 else middle - word.width // 2, v))
-    return overlay
+        placed.append((word, (u if share_u != 0.5 else middle - word.width // 2, v)))
+    return tuple(placed)
 
 
 @lru_cache(maxsize=1)

@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from spacevln.core.geometry import Float
-from spacevln.memory.regions import CELL_M, cell_ij
+from spacevln.memory.regions import CELL_M, Cells, cell_of
 
 if TYPE_CHECKING:
     from spacevln.memory.hierarchical import HierarchicalSpatialMemory
@@ -50,36 +50,32 @@ def region_raster(memory: HierarchicalSpatialMemory, floor: int) -> RegionRaster
     if not members:
         return None
     parts = [memory.regions.support_of(waypoint.index) for waypoint in members]
-    ij = cell_ij(np.concatenate(parts))
-    (i0, j0), (height, width) = ij.min(axis=1), ij.max(axis=1) - ij.min(axis=1) + 1
     order = {region.label: index + 1 for index, region in enumerate(memory.regions.all)}
     labels = np.array([min(order[memory.regions.of(waypoint.index).label], 255) for waypoint in members], np.uint8)
-    seats = np.array([[waypoint.pose.x_m, waypoint.pose.y_m] for waypoint in members]) / CELL_M - (i0 + 0.5, j0 + 0.5)
-    ends = np.cumsum([len(part) for part in parts])
-    owner = _own(ij[0] - i0, ij[1] - j0, ends, seats, labels, int(height), int(width))
+    seats = np.array([[waypoint.pose.x_m, waypoint.pose.y_m] for waypoint in members]) / CELL_M - 0.5
+    owner, i0, j0 = _own(np.concatenate(parts), np.cumsum([len(part) for part in parts]), seats, labels)
     return RegionRaster(owner, int(i0), int(j0))
 
 
 @njit(cache=True)
 def _own(
-    i_of: NDArray[np.int64],
-    j_of: NDArray[np.int64],
-    ends: NDArray[np.int64],
-    seats: Float,
-    labels: NDArray[np.uint8],
-    height: int,
-    width: int,
-) -> NDArray[np.uint8]:  # pragma: no cover - compiled
-    """Give each cell to the nearest of the waypoints that see it; those of waypoint w end before ``ends[w]``."""
-    owner = np.zeros((height, width), np.uint8)
-    nearest = np.full((height, width), np.inf, np.float32)
+    cells: Cells, ends: NDArray[np.int64], seats: Float, labels: NDArray[np.uint8]
+) -> tuple[NDArray[np.uint8], np.int64, np.int64]:  # pragma: no cover - compiled
+    """Give each cell to the nearest of the waypoints that see it; the keys of waypoint w end before ``ends[w]``."""
+    i0 = j0 = np.int64(1) << 40
+    i1 = j1 = -i0
+    for key in cells:
+        i, j = cell_of(key)
+        i0, j0, i1, j1 = min(i0, i), min(j0, j), max(i1, i), max(j1, j)
+    owner = np.zeros((i1 - i0 + 1, j1 - j0 + 1), np.uint8)
+    nearest = np.full(owner.shape, np.inf, np.float32)
     first = 0
     for w in range(len(ends)):
         for k in range(first, ends[w]):
-            i, j = i_of[k], j_of[k]
+            i, j = cell_of(cells[k])
             gap = np.float32((i - seats[w, 0]) ** 2 + (j - seats[w, 1]) ** 2)
-            if gap < nearest[i, j]:
-                nearest[i, j] = gap
-                owner[i, j] = labels[w]
+            if gap < nearest[i - i0, j - j0]:
+                nearest[i - i0, j - j0] = gap
+                owner[i - i0, j - j0] = labels[w]
         first = ends[w]
-    return owner
+    return owner, i0, j0

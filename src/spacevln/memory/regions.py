@@ -15,6 +15,7 @@ from itertools import pairwise
 
 import cv2
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from spacevln.core import Pose, SpatialWaypoint
@@ -66,9 +67,10 @@ def cells_of(xy_m: NDArray[np.float64]) -> Cells:
     return np.unique((ij[:, 0] + _OFFSET) << 32 | (ij[:, 1] + _OFFSET))
 
 
-def cell_ij(cells: Cells) -> NDArray[np.int64]:
-    """Indices i and j of cell keys, shape (2, N)."""
-    return np.stack([(cells >> 32) - _OFFSET, (cells & 0xFFFFFFFF) - _OFFSET])
+@njit(cache=True)
+def cell_of(key: int) -> tuple[int, int]:  # pragma: no cover - compiled
+    """Indices i and j of a cell's key."""
+    return (key >> 32) - _OFFSET, (key & 0xFFFFFFFF) - _OFFSET
 
 
 @dataclass(frozen=True, slots=True, eq=False)

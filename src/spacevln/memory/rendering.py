@@ -204,13 +204,24 @@ def _place(inside: Float, width: int, height: int, taken: Float) -> tuple[int, i
     """Upper left corner for a plate whose middle is one of the points ``inside`` (N, 2), the best of them."""
     spots = inside[:: max(1, len(inside) // 150)]
     low = np.clip(np.rint(spots - (width / 2, height / 2)), 2, (SIZE_PX - width - 2, SIZE_PX - height - 2))
-    high = low + np.array([width, height])
-    overlap = np.minimum(high[:, None], taken[None, :, 2:]) - np.maximum(low[:, None], taken[None, :, :2])
-    covered = np.where((overlap > 0).all(axis=2), overlap.prod(axis=2), 0.0)
-    covered[:, 0] *= 10  # the agent above all
-    cost = covered.sum(axis=1) + np.hypot(*(spots - np.median(inside, axis=0)).T)
-    u, v = low[int(np.argmin(cost))]
+    u, v = low[_freest(low, width, height, taken, np.hypot(*(spots - np.median(inside, axis=0)).T))]
     return int(u), int(v)
+
+
+@njit(cache=True)
+def _freest(low: Float, width: int, height: int, taken: Float, away: Float) -> int:  # pragma: no cover - compiled
+    """Which of the plates with upper left corners ``low`` (N, 2) covers least of the boxes and is least ``away``."""
+    best, cheapest = 0, np.inf
+    for k in range(len(low)):
+        cost = away[k]
+        for b in range(len(taken)):
+            across = min(low[k, 0] + width, taken[b, 2]) - max(low[k, 0], taken[b, 0])
+            down = min(low[k, 1] + height, taken[b, 3]) - max(low[k, 1], taken[b, 1])
+            if across > 0 and down > 0:
+                cost += across * down * (10 if b == 0 else 1)  # the agent above all
+        if cost < cheapest:
+            best, cheapest = k, cost
+    return best
 
 
 def _draw_waypoints(picture: Image.Image, shown: Sequence[SpatialWaypoint], frame: _Frame) -> list[Box]:
@@ -233,8 +244,8 @@ def _draw_waypoints(picture: Image.Image, shown: Sequence[SpatialWaypoint], fram
 
 def _draw_border(picture: Image.Image, frame: _Frame) -> None:
     """Directions, scale and frame."""
-    overlay = marks.directions()
-    picture.paste(overlay, (0, 0), overlay)
+    for word, corner in marks.directions():
+        picture.paste(word, corner, word)
     draw = ImageDraw.Draw(picture)
     y = SIZE_PX - 10
     draw.line((SIZE_PX - 10 - 2 * frame.scale, y, SIZE_PX - 10, y), fill=INK, width=2)
