@@ -23,7 +23,7 @@ from spacevln.memory.thresholds import Thresholds
 from spacevln.perception.matching import names
 
 CUE_RANGE_M = 6.0  # farther things describe another place [ours]
-MAX_CUES = 32  # a room of the embedded houses shows up to about 30 things; text and prompts name the first four [ours]
+MAX_CUES = 32  # what a room shows [ours]
 SAME_CUE_M = 0.6
 
 
