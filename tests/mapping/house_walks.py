@@ -19,7 +19,6 @@ from spacevln.testing.walks import scripted_walk
 
 CAMERA = Camera(320, 240, 79.0, 0.88)
 VIEWS = 12  # of a look-around, as the agent makes it
-_LOOK_M = 6.0
 _BODY_M = 0.13  # the walker's way keeps it from everything 0.15 to 1.30 m over the floor
 
 
@@ -67,12 +66,12 @@ class WalkedHouse:
 
 
 def walk(seed: int, rooms: int | None = None) -> WalkedHouse:
-    """Through every room of every floor, or so many: an image every half metre, a look-around in each room and every 6 m."""
+    """Through every room of every floor, or so many: an image every half metre, a look-around in each room and every 4 m."""
     place = load_place(f"house-{seed:06d}")
     truths = tuple(truth_of(place, floor.index) for floor in place.drawable.house.floors)
     stops: list[Stop] = []
     pending = False
-    stands = scripted_walk(_true_geodesics(place, truths), seed, every_m=_LOOK_M, rooms=rooms)
+    stands = scripted_walk(_true_geodesics(place, truths), seed, every_m=4.0, rooms=rooms)
     for number, stand in enumerate(stands):
         pending = pending or stand.looks_around
         if pending and stand.room is not None:
