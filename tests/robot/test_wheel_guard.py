@@ -226,6 +226,16 @@ def test_wheels_that_do_not_turn_are_noticed_within_0_3_s(wish: tuple[float, flo
     assert bench.run(1.5, wish)[-1] == wish
 
 
+def test_blocked_wheels_are_noticed_when_creeping_too() -> None:
+    """A creeping body must be pushed for some centimetres before its pose tells that it does not move."""
+    bench = Bench(wall_m=9.0)
+    bench.run(3.0, (0.08, 0.0))
+    assert bench.guard.status().stops == 0
+    bench.stuck = True
+    assert bench.run(1.2, (0.08, 0.0))[-1] == (0.0, 0.0)
+    assert bench.guard.status().reason is StopReason.WHEELS
+
+
 def test_the_operator_stops_in_every_state() -> None:
     for before in ("moving", "still", "held"):
         bench = Bench(wall_m=9.0)

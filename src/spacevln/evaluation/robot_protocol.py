@@ -27,9 +27,10 @@ FITS_M = 0.25
 """Radius of the disc that must fit through a route: more than the simulated robot's guard keeps free around it."""
 BESIDE_GOAL_M = (0.0, 0.25, 0.5, 0.75)
 """So near to a goal beside furniture that disc must get, at least."""
-OPEN_M, CLUTTERED_M = 0.5, 0.4
+OPEN_M, CLUTTERED_M = 0.4, 0.35
 """Median room beside the way, to the nearest obstacle."""
-CROSSED_DOORS = 2
+CROSSED_DOORS = 3
+"""A route of four metres and more in a house nearly always leads through a doorway; fewer than these stay in one area."""
 _ATTEMPTS = 12
 _DENSE_M = 0.1
 

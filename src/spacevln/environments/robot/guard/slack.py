@@ -1,4 +1,4 @@
-"""Whether the wheels do what they are told: commanded way against the way that the pose shows, over a short window."""
+"""Whether the wheels do what they are told: commanded way against the way that the pose shows, over short windows."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from collections import deque
 from spacevln.core.geometry import Pose, wrap_angle
 from spacevln.environments.robot.profile import Watchdog
 
-_WINDOW_S = 0.3
+WINDOWS_S = (0.3, 1.0, 2.0)
+"""The slower the body is told to move, the longer it takes until its standing still shows in a noisy pose."""
 _LAG_S = 0.1  # of base and pose together: that much of the command may still be on its way
 _SHARE = 0.25  # of the commanded way that must show
 _MEAN_OF = 4  # poses at either end, against noise
@@ -35,21 +36,23 @@ class SlackMonitor:
     def moved(self, now_s: float, pose: Pose) -> None:
         """What the pose shows."""
         self._poses.append((now_s, pose))
-        begin = now_s - _WINDOW_S
+        self.blocked = self.blocked or any(self._stands(now_s, window_s) for window_s in WINDOWS_S)
+
+    def _stands(self, now_s: float, window_s: float) -> bool:
+        """Whether the body stood over a window though it was told to move all the time."""
+        begin = now_s - window_s
         older = [pose for time_s, pose in self._poses if time_s <= begin][-_MEAN_OF:]
-        if not older or self.blocked:
-            return
-        newer = [pose for _, pose in self._poses][-_MEAN_OF:]
         window = [(v, w) for time_s, v, w in self._commands if begin - _LAG_S <= time_s <= now_s - _LAG_S]
         asked_m, asked_rad = sum(v for v, _ in window), sum(w for _, w in window)
-        still = all(abs(w) + abs(v) > 0 for v, w in window)
+        ahead, turning = asked_m > self._watch.slack_m, abs(asked_rad) > math.radians(self._watch.slack_deg)
+        if not older or not (ahead or turning) or not all(abs(w) + abs(v) > 0 for v, w in window):
+            return False
+        newer = [pose for _, pose in self._poses][-_MEAN_OF:]
         x0, y0, x1, y1 = (sum(p) / len(p) for p in _columns(older, newer))
-        moved_m = math.hypot(x1 - x0, y1 - y0)
         base = older[-1].yaw_rad
         turned_rad = _mean_turn(newer, base) - _mean_turn(older, base)
-        forward = asked_m > self._watch.slack_m and moved_m < _SHARE * asked_m
-        turning = abs(asked_rad) > math.radians(self._watch.slack_deg) and abs(turned_rad) < _SHARE * abs(asked_rad)
-        self.blocked = still and (forward or turning)
+        unmoved = ahead and math.hypot(x1 - x0, y1 - y0) < _SHARE * asked_m
+        return unmoved or (turning and abs(turned_rad) < _SHARE * abs(asked_rad))
 
 
 def _columns(older: list[Pose], newer: list[Pose]) -> tuple[list[float], list[float], list[float], list[float]]:
