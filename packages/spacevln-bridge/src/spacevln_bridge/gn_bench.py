@@ -71,10 +71,10 @@ class GNBenchSim(Simulator):
         wanted = before + step_m * np.array([math.cos(yaw), math.sin(yaw), 0.0])
         return self._view(collided=bool(np.linalg.norm(after - wanted) > COLLISION_M))
 
-    def draw(self, rgb: Any, depth: Any, labels: Any) -> None:
+    def draw(self, rgba: Any, depth: Any, labels: Any) -> None:
         """Copy what was seen last into arrays; there are no labels."""
         del labels
-        np.copyto(rgb, np.asarray(self._seen[COLOR])[..., :3])
+        np.copyto(rgba[..., :3], np.asarray(self._seen[COLOR])[..., :3])
         np.copyto(depth, np.asarray(self._seen[DEPTH]).reshape(depth.shape))
         depth[depth >= FAR_M] = 0
 

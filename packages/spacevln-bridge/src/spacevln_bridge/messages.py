@@ -139,7 +139,7 @@ class Act:
 class View:
     """Worker: where body and camera are after Place or Act; the image is in shared memory, or here.
 
-    ``image`` is rgb, depth and labels one after the other (:mod:`.images`), empty where they are in shared memory.
+    ``image`` is rgba, depth and labels one after the other (:mod:`.images`), empty where they are in shared memory.
     """
 
     position: Vector

@@ -37,7 +37,7 @@ class Simulator(ABC):
         """One primitive."""
 
     @abstractmethod
-    def draw(self, rgb: Any, depth: Any, labels: Any) -> None:
+    def draw(self, rgba: Any, depth: Any, labels: Any) -> None:
         """Copy what was seen last into arrays."""
 
     @abstractmethod

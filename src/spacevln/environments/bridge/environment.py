@@ -75,11 +75,11 @@ class BridgedEnvironment:
         view = self._seen()
         if self._observation is None:
             setup = self._setup
-            rgb, depth_m, ids = views(self._simulator.image, setup.width_px, setup.height_px)
+            rgba, depth_m, ids = views(self._simulator.image, setup.width_px, setup.height_px)
             measured = cv2.inRange(depth_m, setup.depth_min_m, setup.depth_max_m)  # not so for NaN
             T_scene_camera = camera_from_habitat(view.camera_position, cast("Quaternion", view.camera_rotation))
             self._observation = Observation(
-                rgb=rgb.copy(),
+                rgb=np.asarray(cv2.cvtColor(rgba, cv2.COLOR_RGBA2RGB)),
                 depth_m=cv2.copyTo(depth_m, measured, np.zeros_like(depth_m)),
                 pose=self._pose(view).relative_to(self._start),
                 camera=self._spec.camera,

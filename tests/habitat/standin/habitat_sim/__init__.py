@@ -353,7 +353,7 @@ class Simulator:
 
     def reconfigure(self, config):
         _moment("open")
-        self.config, self._agent = config, _Agent(config.agents[0])
+        self.config, self._agent, self._blank = config, _Agent(config.agents[0]), {}
         self.pathfinder.name = None
         if not MODERN:
             self.pathfinder.name = "r010"
@@ -406,10 +406,12 @@ class Simulator:
         first = sensors[0]
         height, width = first.resolution
         eye = np.asarray(state.sensor_states[first.uuid].position, np.float64)
-        if FAULT == "blank":
-            blank = {"color": (4, np.uint8), "depth": (1, np.float32), "semantic": (1, np.uint32)}
-            shapes = {kind: ((height, width, n) if n > 1 else (height, width), dtype) for kind, (n, dtype) in blank.items()}
-            return {s.uuid: np.ones(*shapes[s.sensor_type]) for s in sensors}
+        if FAULT == "blank":  # the same ones each time: what they cost is no part of what is measured with them
+            if not self._blank:
+                blank = {"color": (4, np.uint8), "depth": (1, np.float32), "semantic": (1, np.uint32)}
+                shapes = {kind: ((height, width, n) if n > 1 else (height, width), dtype) for kind, (n, dtype) in blank.items()}
+                self._blank.update({s.uuid: np.ones(*shapes[s.sensor_type]) for s in sensors})
+            return dict(self._blank)
         drawn = draw(HOUSE, eye, state.rotation.matrix(), width // COARSE, height // COARSE, first.hfov)
         images = dict(zip(("color", "depth", "semantic"), (each.repeat(COARSE, 0).repeat(COARSE, 1) for each in drawn)))
         return {sensor.uuid: images[sensor.sensor_type] for sensor in sensors}
