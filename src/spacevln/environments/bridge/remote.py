@@ -35,7 +35,6 @@ class RemoteWorker(Conversation):
     """
 
     block: bytearray
-    alive: bool
 
     def __init__(self, address: str, simulator: str, size_px: tuple[int, int], *, answer_s: float = ANSWER_S) -> None:
         self._address = address
@@ -45,13 +44,18 @@ class RemoteWorker(Conversation):
             raise PrerequisiteError(
                 f"The worker at {address} wants a token: set {TOKEN_VARIABLE} to the one it was started with."
             )
-        super().__init__(Channel(_connected(address)), answer_s)
-        self.alive = True
+        super().__init__(Channel(_connection(address)), answer_s)
+        self._connected = True
         try:
             self.welcome = self.ask(say.Hello(say.PROTOCOL, token, simulator), say.Welcome, START_S)
         except UsageError:  # a wrong token or simulator: nobody will hold what could hang up later
             self.close()
             raise
+
+    @property
+    def alive(self) -> bool:
+        """Whether it can be asked."""
+        return self._connected
 
     def ask(self, request: say.Message, kind: type[Answer], deadline_s: float | None = None) -> Answer:
         """The answer to a request; a view's image is taken out of it."""
@@ -69,7 +73,7 @@ class RemoteWorker(Conversation):
 
     def close(self) -> None:
         """Hang up; may be called twice."""
-        self.alive = False
+        self._connected = False
         self._channel.close()
 
 
@@ -79,7 +83,7 @@ def connect(where: str, simulator: str, size_px: tuple[int, int], *, answer_s: f
     return kind(where, simulator, size_px, answer_s=answer_s)
 
 
-def _connected(address: str) -> socket.socket:
+def _connection(address: str) -> socket.socket:
     try:
         parts = urlsplit(address)
         host, port = parts.hostname, parts.port
