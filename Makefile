@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 .DEFAULT_GOAL := help
-.PHONY: help run robot-demo test test-slow lint bench docs clean
+.PHONY: help run robot-demo test test-slow lint bench suites docs clean
 
 help:  ## Show this help
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -39,6 +39,9 @@ lint: $(VENV)/.dev  ## Style, types and the import contract
 
 bench: $(VENV)/.dev  ## Speed of the hot paths
 	@NUMBA_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest benchmarks --benchmark-only
+
+suites: $(VENV)/.dev  ## Every number of the stored suites, resumable (about 80 minutes)
+	@benchmarks/suites.sh runs/suites
 
 docs: $(VENV)/.dev  ## Build the documentation into site/
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --group docs
