@@ -199,3 +199,16 @@ def test_the_summary_says_what_became_of_the_landmark() -> None:
     assert summarise(memory.pool(), "sofa") == "sofa (arrived) 0.5 m back, remembered"
     assert summarise((), "sofa") == "sofa: never seen"
     assert summarise((), "") == "no landmark was tracked"
+
+
+def test_with_temporal_verification_one_picture_is_not_enough_and_the_same_picture_again_says_nothing_new() -> None:
+    near = Pose(11.0, 2.0, 0.0, 0.0)
+    first, second = thing("sofa", 11.5, 2.0), thing("sofa", 11.5, 2.02, box_px=(2, 0, 52, 90))
+    assert seen("sofa", (near, [first])).arrived
+    once = seen("sofa", (near, [first]), (near, [first]), (near, [first]), arrival_sightings=2)
+    assert [candidate.observations for candidate in once.candidates] == [3]
+    assert not once.arrived
+    assert seen("sofa", (near, [first]), (near, [second]), arrival_sightings=2).arrived
+    assert not seen("sofa", (near, [first]), (near, [second]), arrival_sightings=3).arrived
+    elsewhere = thing("sofa", 14.0, 4.0, box_px=(200, 0, 250, 90))
+    assert not seen("sofa", (near, [first]), (near, [elsewhere]), arrival_sightings=2).arrived  # another thing's look does not count

@@ -59,7 +59,8 @@ class NavigationAgent:
             UsageError: the environment does not know the scene.
         """
         begin, subtasks = self._clock(), list[Subtask]()
-        world = World(self._detector, self._settings.components, known, self._environment.spec.body_radius_m)  # 1: M_0
+        settings, spec = self._settings, self._environment.spec
+        world = World(self._detector, settings.components, known, spec.body_radius_m, settings.arrival_sightings)  # 1: M_0
         budget = StepBudget(self._settings.step_limit or default_step_limit(episode.task))
         body = Body(self._environment, world, budget, self._emit)
         try:

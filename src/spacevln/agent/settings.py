@@ -33,8 +33,10 @@ class AgentSettings:
         components: which parts are switched on.
         control: thresholds of the control rules.
         step_limit: environment steps of an episode, STOP included; None takes the task's own (260 or 280, paper).
+        arrival_sightings: temporal verification, see :class:`~spacevln.memory.LocalLandmarkMemory`; 1 is the paper's rule.
     """
 
     components: Components = field(default_factory=Components)
     control: ControlSettings = field(default_factory=ControlSettings)
     step_limit: int | None = None
+    arrival_sightings: int = 1

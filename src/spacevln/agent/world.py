@@ -36,17 +36,24 @@ class World:
         components: what is switched off is never built.
         known: the memory of earlier episodes in this building, grown in place; the agent's poses are in its frame.
         body_radius_m: of the agent's disc; a known map keeps its own.
+        arrival_sightings: see :class:`~spacevln.memory.LocalLandmarkMemory`.
     """
 
     def __init__(
-        self, detector: Detector, components: Components, known: BuildingMemory | None = None, body_radius_m: float = 0.1
+        self,
+        detector: Detector,
+        components: Components,
+        known: BuildingMemory | None = None,
+        body_radius_m: float = 0.1,
+        arrival_sightings: int = 1,
     ) -> None:
         self._detector = detector
         self._components = components
+        self._arrival_sightings = arrival_sightings
         building = known or BuildingMemory(MetricMap(agent_radius_m=body_radius_m), HierarchicalSpatialMemory())
         building.start_episode()
         self.map = building.metric_map
-        self.memory = SpatialCognitiveMemory(building.hierarchical)  # M_0 = {W_0, L_0}, W_0 = {G_0, P_0}
+        self.memory = SpatialCognitiveMemory(building.hierarchical, arrival_sightings)  # M_0 = {W_0, L_0}, W_0 = {G_0, P_0}
         self.stage_terms: tuple[str, ...] = ()  # of the last stage: its landmark as written, and Norm(ell_k)
         self._taken_flights = -1  # of the chain, verified; none is known before the first stage
         self._departure_floor = self.map.floor  # where the flight that is ahead begins
@@ -127,7 +134,7 @@ class World:
         if not self._components.landmark_memory:
             return ()
         pose = observations[0].pose
-        landmarks = LocalLandmarkMemory(anchor.cue, pose, kind=anchor.cue_kind)
+        landmarks = LocalLandmarkMemory(anchor.cue, pose, kind=anchor.cue_kind, arrival_sightings=self._arrival_sightings)
         in_view: list[LandmarkCandidate] = []
         for sightings in self.perceive(observations, grounding_terms(anchor.cue)):
             landmarks.update(sightings, pose, self.map)

@@ -222,6 +222,8 @@ class Configuration(_Settings):
         prompts: what they are shown.
         memory: what is known of the building beforehand; None, as in every benchmark, for nothing.
         step_budget: environment steps per episode, STOP included; None takes the task's (260 instructions, 280 object goals).
+        arrival_sightings: temporal verification: how many different pictures must show a landmark before it counts as reached;
+            1, the paper's rule, believes the first.
     """
 
     driver: Literal["agent", "random", "forward", "frontier", "oracle", "reference"] = "agent"
@@ -234,6 +236,7 @@ class Configuration(_Settings):
     prompts: PromptOptions = PromptOptions()
     memory: KnownBuilding | None = None
     step_budget: PositiveInt | None = None
+    arrival_sightings: PositiveInt = 1
 
     @property
     def hash(self) -> str:

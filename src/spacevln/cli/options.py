@@ -26,6 +26,13 @@ agent_options = option_group(
     click.option("--renderer", type=click.Choice(["auto", "gl", "raycast"]), default="auto", show_default=True),
     click.option("--sliding/--no-sliding", default=True, show_default=True, help="Slide along obstacles, as VLN-CE does."),
     detector_options,
+    click.option(
+        "--arrival-sightings",
+        type=click.IntRange(min=1),
+        default=1,
+        show_default=True,
+        help="Pictures that must show a landmark before it counts as reached (temporal verification).",
+    ),
     click.option("--steps", type=click.IntRange(min=1), default=None, help="Step budget, STOP included."),
     click.option("--chase", is_flag=True, help="Record a camera that follows the robot, too (embedded houses)."),
     click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=None, help="Run directory."),
@@ -56,6 +63,7 @@ def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Con
         models=models,
         prompts=prompts_from(options),
         step_budget=options["steps"],
+        arrival_sightings=options["arrival_sightings"],
     )
 
 

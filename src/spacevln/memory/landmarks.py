@@ -46,6 +46,8 @@ class _Instance:
     seen_in: int
     last_image: int
     seen_from: Pose
+    last_sighting: Sighting
+    looks: int = 1  # pictures that differ; the same one again says nothing new
     surface: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
 
     def nearest(self, pose: Pose) -> tuple[float, tuple[float, float]]:
@@ -61,13 +63,24 @@ class LocalLandmarkMemory:
         start: pose at the beginning of the stage.
         kind: of cue, decides the arrival rule; by default what the phrase says.
         traverse: the stage goes along the stairs to another floor instead of ending at them; arrival is the change of floor.
+        arrival_sightings: temporal verification: how many different pictures must show a landmark before it counts as reached;
+            1, the paper's rule, believes the first. [ours]
     """
 
-    def __init__(self, landmark: str, start: Pose, *, kind: CueKind | None = None, traverse: bool = False) -> None:
+    def __init__(
+        self,
+        landmark: str,
+        start: Pose,
+        *,
+        kind: CueKind | None = None,
+        traverse: bool = False,
+        arrival_sightings: int = 1,
+    ) -> None:
         self.landmark = landmark
         self.kind = cue_kind(landmark) if kind is None else kind
         self._start = start
         self._traverse = traverse and self.kind is CueKind.STAIRS
+        self._arrival_sightings = arrival_sightings
         self._instances: list[_Instance] = []
         self._images = 0
         self._candidates: LandmarkPool = ()
@@ -152,6 +165,7 @@ class LocalLandmarkMemory:
             seen_in=1,
             last_image=self._images,
             seen_from=pose,
+            last_sighting=sighting,
         )
         _add_surface(instance, sighting)
         return instance
@@ -176,6 +190,8 @@ class LocalLandmarkMemory:
             instance.attributes = sighting.attributes or instance.attributes
         instance.extent_m = max(instance.extent_m, sighting.extent_m)
         instance.seen_in += 1
+        instance.looks += not _same_picture(sighting, instance.last_sighting)
+        instance.last_sighting = sighting
         instance.last_image = self._images
 
     def _judge(self, instance: _Instance, pose: Pose, metric_map: SpatialMap) -> LandmarkCandidate:
@@ -206,6 +222,8 @@ class LocalLandmarkMemory:
             return False
         if self._traverse:
             return self._changed_floor
+        if instance.looks < self._arrival_sightings:
+            return False
         if distance > ARRIVAL_RADIUS_M[self.kind]:  # of what is sought: a door may turn out to be open from nearby
             return False
         in_view = instance.last_image == self._images  # then a chair before the table is no wall
@@ -247,6 +265,11 @@ def _add_surface(instance: _Instance, sighting: Sighting) -> None:
 def _view_quality(sighting: Sighting) -> tuple[bool, float]:
     """With both jambs in view the threshold is known; from nearby it is known better."""
     return (sighting.is_passage, -sighting.distance_m)
+
+
+def _same_picture(a: Sighting, b: Sighting) -> bool:
+    """Whether two sightings of a thing come from the same picture, as when the body stood still."""
+    return a.box_px == b.box_px and a.position_m == b.position_m
 
 
 def _duplicate(a: Sighting, b: Sighting) -> bool:

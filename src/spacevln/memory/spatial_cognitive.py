@@ -15,10 +15,12 @@ class SpatialCognitiveMemory:
 
     Args:
         hierarchical: W_t; a loaded one continues in a known building.
+        arrival_sightings: see :class:`LocalLandmarkMemory`.
     """
 
-    def __init__(self, hierarchical: HierarchicalSpatialMemory | None = None) -> None:
+    def __init__(self, hierarchical: HierarchicalSpatialMemory | None = None, arrival_sightings: int = 1) -> None:
         self.hierarchical = hierarchical or HierarchicalSpatialMemory()
+        self._arrival_sightings = arrival_sightings
         self.landmarks = LocalLandmarkMemory("", Pose(0.0, 0.0))
 
     def add_waypoint(
@@ -29,7 +31,9 @@ class SpatialCognitiveMemory:
 
     def begin_stage(self, landmark: str, pose: Pose, *, kind: CueKind | None = None, traverse: bool = False) -> None:
         """Drop the last stage's landmarks and track ``landmark``; see :class:`LocalLandmarkMemory`."""
-        self.landmarks = LocalLandmarkMemory(landmark, pose, kind=kind, traverse=traverse)
+        self.landmarks = LocalLandmarkMemory(
+            landmark, pose, kind=kind, traverse=traverse, arrival_sightings=self._arrival_sightings
+        )
 
     def update(self, sightings: Sequence[Sighting], pose: Pose, metric_map: MemoryMap) -> LandmarkPool:
         """Fuse the sightings of one image into the landmark pool; the new pool."""
