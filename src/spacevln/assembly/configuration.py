@@ -90,7 +90,7 @@ class LabelDetectorSettings(_Settings):
     Args:
         miss_rate: share of visible instances that it overlooks, per image.
         confusion_rate: share that it calls by the name of a similar category, per image.
-        jitter_px: standard deviation of the box corners.
+        jitter_px: largest shift of a mask at 640 px image width.
         seed: of these errors.
     """
 

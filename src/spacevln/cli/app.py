@@ -11,6 +11,7 @@ import click
 from spacevln import __version__
 from spacevln.cli.ablate import ablate
 from spacevln.cli.bench import bench
+from spacevln.cli.bench_perception import bench_perception
 from spacevln.cli.compare import compare
 from spacevln.cli.detect import detect
 from spacevln.cli.doctor import doctor
@@ -48,6 +49,7 @@ def cli() -> None:
     spacevln prompt RECORD STAGE         show what a model was asked there, or would have been
     spacevln map RECORD                  draw the memory that an episode left: map, spaces, graph
     spacevln detect IMAGE PHRASE...      find things that are named in a picture
+    spacevln bench-perception houses     how good a detector is, against a simulator's labels
     spacevln models list                 weights of detectors and segmenters: list, download, verify
     spacevln robot                       drive a ROS 2 robot: run, check, record, map, bench, demo
     spacevln doctor                      what is installed, what is missing, and the command that mends it
@@ -56,6 +58,7 @@ def cli() -> None:
 
 cli.add_command(run)
 cli.add_command(bench)
+cli.add_command(bench_perception)
 cli.add_command(ablate)
 cli.add_command(view)
 cli.add_command(figure)

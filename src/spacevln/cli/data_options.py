@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 FILTERS = ("language", "role", "available_in", "scene", "ids", "slice", "sample")
 
 
-def _seed_range(_context: click.Context, _parameter: click.Parameter, value: str | None) -> tuple[int, int] | None:
+def seed_range(_context: click.Context, _parameter: click.Parameter, value: str | None) -> tuple[int, int] | None:
     """Parse ``A:B``, half open."""
     if value is None:
         return None
@@ -60,7 +60,7 @@ data_options = option_group(
     click.option("--data", type=_FOLDER, default=None, help="Folder or file of a benchmark's episodes, or a suite's file."),
     click.option(
         "--seeds",
-        callback=_seed_range,
+        callback=seed_range,
         metavar="A:B",
         default=None,
         help="One fresh episode of each house seed A..B-1 instead of the split.",

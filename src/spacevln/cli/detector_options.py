@@ -50,10 +50,19 @@ def detector_options(command: F) -> F:
                 "--detector-device", type=click.Choice(["auto", "cpu", "cuda", "mps"]), default="auto", show_default=True
             ),
             click.option(
+                "--detector-dtype", type=click.Choice(["float32", "float16", "bfloat16"]), default="float32", show_default=True
+            ),
+            click.option(
+                "--detector-batch", type=click.IntRange(min=1), default=12, show_default=True, help="Images per forward pass."
+            ),
+            click.option(
                 "--share-detector", is_flag=True, help="One process holds the detector for all workers of this machine."
             ),
             click.option("--miss-rate", type=click.FloatRange(0, 1), default=0.0, help="Share of labelled instances overlooked."),
             click.option("--confusion-rate", type=click.FloatRange(0, 1), default=0.0, help="Share called by a similar name."),
+            click.option(
+                "--jitter-px", type=click.FloatRange(min=0), default=0.0, help="How far their masks are shifted, at most."
+            ),
         )
     ):
         command = option(command)
@@ -71,10 +80,12 @@ def detector_from(options: dict[str, Any]) -> LabelDetectorSettings | OpenVocabu
             raise click.UsageError(
                 "--segmenter and --detector-threshold belong to a model: add --detector, e.g. grounding-dino-tiny."
             )
-        return LabelDetectorSettings(miss_rate=options["miss_rate"], confusion_rate=options["confusion_rate"])
-    if options["miss_rate"] or options["confusion_rate"]:
+        return LabelDetectorSettings(
+            miss_rate=options["miss_rate"], confusion_rate=options["confusion_rate"], jitter_px=options["jitter_px"]
+        )
+    if options["miss_rate"] or options["confusion_rate"] or options["jitter_px"]:
         raise click.UsageError(
-            "--miss-rate and --confusion-rate simulate errors of labels: leave them out, or leave --detector out."
+            "--miss-rate, --confusion-rate and --jitter-px simulate errors of labels: leave them out, or leave --detector out."
         )
     threshold = options["detector_threshold"]
     if threshold is None:
@@ -85,6 +96,8 @@ def detector_from(options: dict[str, Any]) -> LabelDetectorSettings | OpenVocabu
         box_threshold=threshold,
         text_threshold=threshold,
         device=options["detector_device"],
+        dtype=options["detector_dtype"],
+        batch_size=options["detector_batch"],
         shared=options["share_detector"],
     )
 
