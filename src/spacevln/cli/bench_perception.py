@@ -77,11 +77,10 @@ def _tell(report: PerceptionReport) -> None:
         )
     for decided in report.arrivals:
         needed = "1 picture" if decided.arrival_sightings == 1 else f"{decided.arrival_sightings} pictures"
-        shares = (
-            f"accuracy {_percent(decided.accuracy)}, precision {_percent(decided.precision)}, recall {_percent(decided.recall)}"
-        )
-        counts = f"{decided.false_arrivals} false, {decided.true_arrivals} true in {decided.decisions}"
-        click.echo(f"arrival by {needed}: {decisions}; {counts}")
+        rates = (("accuracy", decided.accuracy), ("precision", decided.precision), ("recall", decided.recall))
+        told = ", ".join(f"{name} {_percent(share)}" for name, share in rates)
+        counts = f"{decided.false_arrivals} false, {decided.true_arrivals} true in {decided.decisions} decisions"
+        click.echo(f"arrival by {needed}: {told}; {counts}")
 
 
 def _percent(share: Share) -> str:

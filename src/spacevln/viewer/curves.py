@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 COLOURS = ("#0060a8", "#c2410c", "#15803d", "#7c3aed")
 WIDTH, HEIGHT = 380, 280
-LEFT, RIGHT, TOP, BOTTOM = 52, 14, 54, 46
+LEFT, RIGHT, TOP, BOTTOM = 60, 14, 54, 46
 TICKS = 4
 
 
