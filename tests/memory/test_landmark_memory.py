@@ -211,4 +211,6 @@ def test_with_temporal_verification_one_picture_is_not_enough_and_the_same_pictu
     assert seen("sofa", (near, [first]), (near, [second]), arrival_sightings=2).arrived
     assert not seen("sofa", (near, [first]), (near, [second]), arrival_sightings=3).arrived
     elsewhere = thing("sofa", 14.0, 4.0, box_px=(200, 0, 250, 90))
-    assert not seen("sofa", (near, [first]), (near, [elsewhere]), arrival_sightings=2).arrived  # another thing's look does not count
+    assert not seen(
+        "sofa", (near, [first]), (near, [elsewhere]), arrival_sightings=2
+    ).arrived  # another thing's look does not count

@@ -27,6 +27,8 @@ class Echo:
             raise UsageError("'refuse' is refused.")
         if "fail" in phrases:
             raise ZeroDivisionError("by zero")
+        if "bug" in phrases:
+            raise AssertionError("never so")
         return [tuple(echo(image, phrase) for phrase in phrases) for image in images]
 
 

@@ -115,6 +115,15 @@ def test_the_detector_s_errors_come_through_and_the_server_lives_on(connect: Ope
     assert (client.counts.starts, client.counts.retries) == (1, 0)
 
 
+def test_a_bug_ends_the_server_and_the_next_request_starts_another(connect: Open) -> None:
+    client = connect()
+    with pytest.raises(EnvironmentFailure, match="ended by a bug"):
+        client.detect_images([picture(0)], ["bug"])
+    ((found,),) = client.detect_images([picture(7)], ["sofa"])
+    assert same(found, echo(picture(7), "sofa"))
+    assert (client.counts.starts, client.counts.retries) == (2, 1)
+
+
 def test_a_server_that_cannot_start_says_why(connect: Open) -> None:
     with pytest.raises(PrerequisiteError, match="These settings are not usable"):
         connect("echo_detector:unusable").detect_images([picture(0)], ["sofa"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import sys
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import click
 
@@ -25,7 +25,9 @@ from spacevln.cli.robot import robot
 from spacevln.cli.run import run
 from spacevln.cli.table import table
 from spacevln.cli.view import view
-from spacevln.core import PrerequisiteError, SpaceVLNError, SpendingLimit, UsageError
+
+if TYPE_CHECKING:
+    from spacevln.core import SpaceVLNError
 
 DONE, FAILED, USAGE, PREREQUISITE, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -88,13 +90,22 @@ def main() -> NoReturn:
         sys.exit(error.exit_code)
     except (click.Abort, KeyboardInterrupt):
         sys.exit(INTERRUPTED)
-    except SpaceVLNError as error:
+    except _own_errors() as error:
         click.echo(f"spacevln: {error}", err=True)
         sys.exit(_exit_code(error))
     sys.exit(code if isinstance(code, int) else DONE)
 
 
+def _own_errors() -> type[SpaceVLNError]:
+    """Asked for only when something was raised: nobody waits for numpy to read a help text."""
+    from spacevln.core import SpaceVLNError
+
+    return SpaceVLNError
+
+
 def _exit_code(error: SpaceVLNError) -> int:
+    from spacevln.core import PrerequisiteError, SpendingLimit, UsageError
+
     match error:
         case UsageError():
             return USAGE

@@ -14,12 +14,10 @@ from typing import Any
 import click
 
 from spacevln import __version__
-from spacevln.cli.doctor_habitat import habitat_findings
 from spacevln.cli.doctor_models import keys, model_findings
 from spacevln.cli.findings import Finding
 from spacevln.cli.habitat_options import habitat_options
 from spacevln.cli.model_options import choice_options
-from spacevln.core import PrerequisiteError, UsageError
 
 BASE = ("mujoco", "numba", "numpy", "opencv-python-headless", "pydantic", "scipy")
 EXTRAS = (
@@ -49,6 +47,8 @@ def doctor(suite: str, data: Path | None, **options: Any) -> int:
     With --model, the model is asked one small question with a picture. With --habitat-python, Habitat-Sim opens an embedded
     house, or with --scenes and --data a benchmark's building.
     """
+    from spacevln.cli.doctor_habitat import habitat_findings
+
     findings = [*_python(), *_packages(), *_renderer(), *_storage(), *_extras(), *keys(), *model_findings(options)]
     findings += [] if options["habitat_python"] is None else habitat_findings(options, suite, data)
     marks = {"ok": click.style("ok     ", fg="green"), "note": click.style("note   ", fg="yellow")}
@@ -70,6 +70,7 @@ def _packages() -> Iterator[Finding]:
 
 
 def _renderer() -> Iterator[Finding]:
+    from spacevln.core import PrerequisiteError, UsageError
     from spacevln.environments.houses.rendering import renderer_info
 
     try:

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from spacevln.core import PrerequisiteError, UsageError
-
 if TYPE_CHECKING:
     from spacevln.assembly import Configuration, GNBenchSettings, HabitatSettings
 
@@ -62,6 +60,7 @@ def in_simulator(
         UsageError: no scenes are named, or an option is of another simulator.
     """
     from spacevln.assembly import GNBenchSettings, preset_of
+    from spacevln.core import PrerequisiteError, UsageError
 
     preset = preset_of(suite, options["settings"])
     if options["habitat_python"] is None:
@@ -104,6 +103,8 @@ def python_of(name: str) -> str:
     Raises:
         PrerequisiteError: there is none.
     """
+    from spacevln.core import PrerequisiteError
+
     kind, colon, environment = name.partition(":")
     if not (colon and kind == "conda"):
         return name

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from spacevln.core import UsageError
-
 if TYPE_CHECKING:
     from spacevln.environments.houses.plan import House, Rect, Room
 
@@ -30,6 +28,7 @@ def render(seed: int, out: Path | None) -> None:
     """Write a sheet with a view into every room."""
     from PIL import Image, ImageDraw, ImageFont
 
+    from spacevln.core import UsageError
     from spacevln.environments.houses.furniture.sheets import render_views, room_views
     from spacevln.environments.houses.ground.walkable import Walkable
     from spacevln.environments.houses.house import build_house

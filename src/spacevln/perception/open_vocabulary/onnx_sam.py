@@ -63,9 +63,11 @@ def _session(path: Path, inputs: set[str]) -> Any:
     runtime = need("onnxruntime", "onnx")
     if not path.is_file():
         raise UsageError(f"The model {str(path)!r} does not exist: run spacevln models download efficient-sam-onnx.")
+    errors = need("onnxruntime.capi.onnxruntime_pybind11_state", "onnx")
+    refusals = (errors.Fail, errors.InvalidArgument, errors.InvalidGraph, errors.InvalidProtobuf, errors.NotImplemented, OSError)
     try:
         session = runtime.InferenceSession(path, providers=runtime.get_available_providers())
-    except Exception as error:
+    except refusals as error:
         raise UsageError(
             f"The model {str(path)!r} cannot be read ({str(error).splitlines()[0]}): fetch it with spacevln models download."
         ) from error

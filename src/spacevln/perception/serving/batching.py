@@ -9,12 +9,16 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from spacevln.core import Detection
+from spacevln.core import Detection, EnvironmentFailure, SpaceVLNError
 
 Seen = TypeVar("Seen")
 """What is looked at: an image, or an observation."""
 
 Found = list[tuple[Detection, ...]]
+
+MODEL_ERRORS = (SpaceVLNError, ArithmeticError, LookupError, MemoryError, OSError, RuntimeError, TypeError, ValueError)
+"""What a detector and its libraries raise over a request: its callers are told, and the next request is served.
+Anything else is a bug, after which nothing is known of the detector."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +43,7 @@ class Batcher(Generic[Seen]):
         self._waiting: deque[_Request[Seen]] = deque()
         self._changed = threading.Condition()
         self._closed = False
+        self._at_work: list[_Request[Seen]] = []
         self._thread = threading.Thread(target=self._work, name="detector", daemon=True)
         self._thread.start()
 
@@ -59,19 +64,38 @@ class Batcher(Generic[Seen]):
             self._changed.notify()
         self._thread.join()
 
+    @property
+    def is_alive(self) -> bool:
+        """Whether requests are still served."""
+        return self._thread.is_alive() and not self._closed
+
     def _work(self) -> None:
-        while requests := self._next():
-            images = [image for request in requests for image in request.images]
-            try:
-                found = self._detect(images, requests[0].phrases)
-            except Exception as error:  # noqa: BLE001 - every caller is told, and the server lives on
-                for request in requests:
-                    request.answer.set_exception(error)
-                continue
-            at = 0
+        try:
+            while requests := self._next():
+                self._serve(requests)
+        finally:  # nobody waits for ever, though a bug ends the thread
+            self._abandon()
+
+    def _serve(self, requests: Sequence[_Request[Seen]]) -> None:
+        images = [image for request in requests for image in request.images]
+        try:
+            found = self._detect(images, requests[0].phrases)
+        except MODEL_ERRORS as error:
             for request in requests:
-                request.answer.set_result(found[at : at + len(request.images)])
-                at += len(request.images)
+                request.answer.set_exception(error)
+            return
+        at = 0
+        for request in requests:
+            request.answer.set_result(found[at : at + len(request.images)])
+            at += len(request.images)
+
+    def _abandon(self) -> None:
+        with self._changed:
+            self._closed = True
+            left = [request for request in (*self._at_work, *self._waiting) if not request.answer.done()]
+            self._waiting.clear()
+        for request in left:
+            request.answer.set_exception(EnvironmentFailure("The detector ended by a bug: see the traceback in its log."))
 
     def _next(self) -> list[_Request[Seen]]:
         """The oldest request and what may go along with it; empty when all is done."""
@@ -80,7 +104,7 @@ class Batcher(Generic[Seen]):
                 self._changed.wait()
             if not self._waiting:
                 return []
-            chosen, count = [self._waiting.popleft()], 0
+            self._at_work = chosen = [self._waiting.popleft()]
             count = len(chosen[0].images)
             for request in tuple(self._waiting):
                 if request.phrases == chosen[0].phrases and count + len(request.images) <= self._max_images:

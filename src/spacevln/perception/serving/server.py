@@ -22,7 +22,7 @@ import numpy as np
 
 from spacevln.core import PrerequisiteError, SpaceVLNError, UsageError
 from spacevln.perception.open_vocabulary.detector import Image, ImageDetector
-from spacevln.perception.serving.batching import Batcher
+from spacevln.perception.serving.batching import MODEL_ERRORS, Batcher
 from spacevln.perception.serving.wire import pack, receive, send
 
 IDLE_S = 30.0
@@ -45,6 +45,7 @@ class DetectorServer:
         self._path, self._idle_s = path, idle_s
         self._batcher = Batcher(detector.detect_images, max_images)
         self._clients = 0
+        self._is_retired = False
         self._lock = threading.Lock()
         path.unlink(missing_ok=True)
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -97,12 +98,25 @@ class DetectorServer:
             send(connection, {"id": header["id"], "error": "usage", "message": str(error)})
         except PrerequisiteError as error:
             send(connection, {"id": header["id"], "error": "prerequisite", "message": str(error)})
-        except Exception as error:
+        except MODEL_ERRORS as error:
             log.exception("detection failed")
+            is_over = not self._batcher.is_alive
+            if is_over:
+                self._retire()
             send(connection, {"id": header["id"], "error": "failure", "message": f"{type(error).__name__}: {error}"})
+            if is_over:
+                os._exit(1)
         else:
             packed, bits = pack(found)
             send(connection, {"id": header["id"], "found": packed}, bits)
+
+    def _retire(self) -> None:
+        """A bug ended the detector: whoever connects from now on starts another server."""
+        self._batcher.close()
+        with self._lock:
+            if not self._is_retired:
+                self._path.unlink(missing_ok=True)
+            self._is_retired = True
 
 
 def _mapped(descriptor: int) -> mmap.mmap:
