@@ -32,6 +32,7 @@ SMOOTH_M = 0.01  # a surface that bends more within them is an edge
 PASSAGE_DEPTH_M = 0.4  # depth beyond the jambs that makes an opening a passage [ours]
 HOLLOW_SHARE = 0.3  # of the middle of the box that the mask of a frame may cover
 
+SPECK = np.ones((3, 3), np.uint8)  # holes that it covers do not count as an edge of the mask
 _DIRECTIONS = np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(8) * math.pi / 8])
 
 
@@ -174,7 +175,10 @@ def _sample(depth_m: NDArray[np.float32], detection: Detection) -> tuple[Float, 
         return None
     inset = int(min(max(round(INSET_SHARE * min(window.shape)), 1), 8))
     kernel = np.ones((2 * inset + 1, 2 * inset + 1), np.uint8)
-    inner = cv2.erode(valid.view(np.uint8), kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    solid = cv2.morphologyEx(valid.view(np.uint8), cv2.MORPH_CLOSE, SPECK) & mask.view(
+        np.uint8
+    )  # single pixels without depth are no rim
+    inner = cv2.erode(solid, kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0).view(np.bool_) & valid
     flat = np.flatnonzero(inner)
     if len(flat) < MIN_PIXELS:  # a thin or small thing: nothing lies that deep inside
         flat = np.flatnonzero(valid)
