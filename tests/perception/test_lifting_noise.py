@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from noisy_depth import worn
 from scenes import observe
@@ -22,6 +22,7 @@ def box(x0: int, y0: int, x1: int, y1: int, category: str = "sofa") -> Detection
     return Detection(category, (x0, y0, x1, y1), 0.9, np.ones((y1 - y0, x1 - x0), np.bool_))
 
 
+@settings(max_examples=12)
 @given(seed=SEEDS, depth=st.floats(0.6, 4.4), u=st.integers(0, 440), v=st.integers(0, 360), size=st.integers(40, 120))
 def test_a_solid_stays_where_it_is_in_noise_and_scattered_holes(seed: int, depth: float, u: int, v: int, size: int) -> None:
     observation = observe({1: ("sofa", (), (u, v, u + size, v + size, depth))}, camera=FULL)
@@ -34,6 +35,7 @@ def test_a_solid_stays_where_it_is_in_noise_and_scattered_holes(seed: int, depth
     assert abs(noisy.extent_m - clean.extent_m) < 0.1 * width_m + 6 * sigma_m
 
 
+@settings(max_examples=12)
 @given(seed=SEEDS, depth=st.floats(0.6, 4.4), u=st.integers(0, 440), v=st.integers(0, 360), size=st.integers(40, 120))
 def test_a_solid_with_round_holes_is_read_in_what_is_left(seed: int, depth: float, u: int, v: int, size: int) -> None:
     observation = observe({1: ("sofa", (), (u, v, u + size, v + size, depth))}, camera=FULL)
@@ -50,6 +52,16 @@ def test_a_solid_with_round_holes_is_read_in_what_is_left(seed: int, depth: floa
         assert seen.extent_m < clean.extent_m + 0.1 * width_m + 6 * sigma_m
 
 
+@given(width=st.integers(20, 300), height=st.integers(20, 300))
+def test_the_extent_is_that_of_what_is_seen_whatever_its_size(width: int, height: int) -> None:
+    observation = observe({1: ("sofa", (), (100, 100, 100 + width, 100 + height, 2.0))}, camera=FULL)
+    (seen,) = lift(observation, [box(100, 100, 100 + width, 100 + height)])
+    left = -(100 + width / 2 - FULL.cx_px) / FULL.fx_px * 2.0
+    assert seen.position_m[1] == pytest.approx(left, abs=0.1 * width * 2.0 / FULL.fx_px)
+    assert seen.extent_m == pytest.approx(width * 2.0 / FULL.fx_px, rel=0.25)
+
+
+@settings(max_examples=12)
 @given(seed=SEEDS, wall=st.floats(0.8, 3.0), left=st.integers(120, 260), width=st.integers(110, 250))
 def test_an_opening_stays_open_and_a_closed_one_closed(seed: int, wall: float, left: int, width: int) -> None:
     right = left + width
@@ -66,6 +78,7 @@ def test_an_opening_stays_open_and_a_closed_one_closed(seed: int, wall: float, l
         assert abs(clean.extent_m - noisy[0].extent_m) < 0.15
 
 
+@settings(max_examples=12)
 @given(seed=SEEDS, left_over=st.floats(0.0, 0.05))
 def test_a_mask_with_next_to_no_depth_is_rejected_and_one_with_a_third_is_not(seed: int, left_over: float) -> None:
     observation = observe({1: ("sofa", (), (200, 200, 300, 300, 2.0))}, camera=FULL)
@@ -74,6 +87,7 @@ def test_a_mask_with_next_to_no_depth_is_rejected_and_one_with_a_third_is_not(se
     assert len(lift(worn(observation, seed, holes=0.66, blobs=0), [box(200, 200, 300, 300)])) == 1
 
 
+@settings(max_examples=12)
 @given(seed=SEEDS, share=st.floats(0.0, 0.25))
 def test_a_mask_that_bleeds_over_the_background_is_read_inside(seed: int, share: float) -> None:
     observation = observe({1: ("sofa", (), (200, 200, 300, 300, 1.5))}, camera=FULL)
@@ -98,6 +112,7 @@ def house_images(seed: int, count: int) -> list[Observation]:
     return images
 
 
+@pytest.mark.slow
 def test_things_of_furnished_houses_stay_where_they_are_and_passages_open() -> None:
     apart, nearer, missing, changed, openings = [], [], 0, 0, 0
     for seed in (3, 9):
@@ -114,10 +129,6 @@ def test_things_of_furnished_houses_stay_where_they_are_and_passages_open() -> N
                 nearer.append(abs(clean[0].distance_m - noisy[0].distance_m))
                 openings += clean[0].is_passage
                 changed += clean[0].is_passage != noisy[0].is_passage
-    print(
-        f"n {len(apart)}, place {np.percentile(apart, (50, 90, 99)).round(3)} m, distance {np.percentile(nearer, (50, 90, 99)).round(3)} m, "
-        f"missing {missing}, passages {openings}, changed {changed}"
-    )
     assert len(apart) > 60
     assert missing <= 0.03 * len(apart)
     assert np.median(apart) < 0.03

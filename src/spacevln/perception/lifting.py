@@ -33,6 +33,7 @@ PASSAGE_DEPTH_M = 0.4  # depth beyond the jambs that makes an opening a passage 
 HOLLOW_SHARE = 0.3  # of the middle of the box that the mask of a frame may cover
 
 SPECK = np.ones((3, 3), np.uint8)  # holes that it covers do not count as an edge of the mask
+_SPREAD = np.sort(np.arange(SAMPLES) * (math.sqrt(5) - 1) / 2 % 1)  # evenly, and in step with no mask's rows
 _DIRECTIONS = np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(8) * math.pi / 8])
 
 
@@ -182,7 +183,8 @@ def _sample(depth_m: NDArray[np.float32], detection: Detection) -> tuple[Float, 
     flat = np.flatnonzero(inner)
     if len(flat) < MIN_PIXELS:  # a thin or small thing: nothing lies that deep inside
         flat = np.flatnonzero(valid)
-    flat = flat[:: max(1, len(flat) // SAMPLES)]
+    if len(flat) > SAMPLES:
+        flat = flat[(_SPREAD * len(flat)).astype(np.intp)]
     rows, columns = np.divmod(flat, window.shape[1])
     depth = window[rows, columns].astype(np.float64)
     return columns * float(stride) + x0, rows * float(stride) + y0, depth, pixels
