@@ -33,7 +33,7 @@ PASSAGE_DEPTH_M = 0.4  # depth beyond the jambs that makes an opening a passage 
 HOLLOW_SHARE = 0.3  # of the middle of the box that the mask of a frame may cover
 
 SPECK = np.ones((3, 3), np.uint8)  # holes that it covers do not count as an edge of the mask
-_SPREAD = np.sort(np.arange(SAMPLES) * (math.sqrt(5) - 1) / 2 % 1)  # evenly, and in step with no mask's rows
+_SPREAD = (np.arange(SAMPLES) + np.random.default_rng(0).random(SAMPLES)) / SAMPLES  # evenly, and in step with no mask's rows
 _DIRECTIONS = np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(8) * math.pi / 8])
 
 
