@@ -33,7 +33,6 @@ PASSAGE_DEPTH_M = 0.4  # depth beyond the jambs that makes an opening a passage 
 HOLLOW_SHARE = 0.3  # of the middle of the box that the mask of a frame may cover
 
 SPECK = np.ones((3, 3), np.uint8)  # holes that it covers do not count as an edge of the mask
-_SPREAD = (np.arange(SAMPLES) + np.random.default_rng(0).random(SAMPLES)) / SAMPLES  # evenly, and in step with no mask's rows
 _DIRECTIONS = np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(8) * math.pi / 8])
 
 
@@ -180,14 +179,20 @@ def _sample(depth_m: NDArray[np.float32], detection: Detection) -> tuple[Float, 
         np.uint8
     )  # single pixels without depth are no rim
     inner = cv2.erode(solid, kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0).view(np.bool_) & valid
-    flat = np.flatnonzero(inner)
-    if len(flat) < MIN_PIXELS:  # a thin or small thing: nothing lies that deep inside
-        flat = np.flatnonzero(valid)
-    if len(flat) > SAMPLES:
-        flat = flat[(_SPREAD * len(flat)).astype(np.intp)]
+    chosen = inner if np.count_nonzero(inner) >= MIN_PIXELS else valid  # of a thin or small thing nothing lies that deep inside
+    flat = np.flatnonzero(chosen)
+    flat = flat[:: _stride(len(flat), np.count_nonzero(chosen.any(axis=0)))]
     rows, columns = np.divmod(flat, window.shape[1])
     depth = window[rows, columns].astype(np.float64)
     return columns * float(stride) + x0, rows * float(stride) + y0, depth, pixels
+
+
+def _stride(count: int, columns: int) -> int:
+    """A step that leaves about ``SAMPLES`` of so many pixels, and is never in time with rows of so many columns."""
+    stride = max(1, count // SAMPLES)
+    while math.gcd(stride, columns) > 1:
+        stride -= 1
+    return stride
 
 
 def _median(values: Float) -> float:
