@@ -45,3 +45,15 @@ def make(delay_s: float = 0.0) -> Echo:
 
 def unusable() -> Echo:
     raise UsageError("These settings are not usable: give others.")
+
+
+class Quick:
+    """Finds the same thing at once, so that a round trip is all that takes time."""
+
+    def detect_images(self, images: Sequence[Image], phrases: Sequence[str]) -> list[tuple[Detection, ...]]:
+        mask = np.ones((240, 256), np.bool_)
+        return [(Detection(phrases[0], (100, 100, 356, 340), 0.5, mask),)] * len(images)
+
+
+def quick() -> Quick:
+    return Quick()
