@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from spacevln.core import CueKind, Detection, Observation, Sighting
 from spacevln.core.geometry import Float
-from spacevln.language import cue_kind
+from spacevln.language import cue_kind as read_cue_kind
 from spacevln.language.names import plain_name
 
 MIN_PIXELS = 6  # with depth, inside the mask
@@ -33,6 +34,7 @@ PASSAGE_DEPTH_M = 0.4  # depth beyond the jambs that makes an opening a passage 
 HOLLOW_SHARE = 0.3  # of the middle of the box that the mask of a frame may cover
 
 SPECK = np.ones((3, 3), np.uint8)  # holes that it covers do not count as an edge of the mask
+cue_kind = lru_cache(maxsize=4096)(read_cue_kind)
 _DIRECTIONS = np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(8) * math.pi / 8])
 
 
@@ -175,13 +177,13 @@ def _sample(depth_m: NDArray[np.float32], detection: Detection) -> tuple[Float, 
         return None
     inset = int(min(max(round(INSET_SHARE * min(window.shape)), 1), 8))
     kernel = np.ones((2 * inset + 1, 2 * inset + 1), np.uint8)
-    solid = cv2.morphologyEx(valid.view(np.uint8), cv2.MORPH_CLOSE, SPECK) & mask.view(
-        np.uint8
-    )  # single pixels without depth are no rim
+    solid = valid.view(np.uint8)
+    if np.count_nonzero(valid) < np.count_nonzero(mask):  # single pixels without depth are no rim
+        solid = cv2.morphologyEx(solid, cv2.MORPH_CLOSE, SPECK) & mask.view(np.uint8)
     inner = cv2.erode(solid, kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0).view(np.bool_) & valid
     chosen = inner if np.count_nonzero(inner) >= MIN_PIXELS else valid  # of a thin or small thing nothing lies that deep inside
     flat = np.flatnonzero(chosen)
-    flat = flat[:: _stride(len(flat), np.count_nonzero(chosen.any(axis=0)))]
+    flat = flat[:: _stride(len(flat), int(np.count_nonzero(chosen.any(axis=0))))]
     rows, columns = np.divmod(flat, window.shape[1])
     depth = window[rows, columns].astype(np.float64)
     return columns * float(stride) + x0, rows * float(stride) + y0, depth, pixels
