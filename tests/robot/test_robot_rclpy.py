@@ -19,6 +19,8 @@ from spacevln.environments.robot import wire
 from spacevln.environments.robot.messages import Message, TFMessage, TriggerReply
 from spacevln.environments.robot.transport import Qos, Topic, Transport, open_transport
 
+pytestmark = pytest.mark.slow  # where CI has installed the extra
+
 
 @pytest.fixture
 def pair(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Transport, Transport]]:
