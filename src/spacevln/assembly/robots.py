@@ -62,7 +62,8 @@ def label_names(scene: str) -> Mapping[int, InstanceLabel]:
 def simulated_profile(transport: TransportName = "dds", domain: int = 42, port: int = 7448) -> RobotProfile:
     """The profile of the simulated robot: on this machine only, with a simulator's labels.
 
-    Its body is that of a small robot: the houses' doors are as wide as real ones.
+    Its body is that of a small robot: the houses' doors are as wide as real ones. What is higher
+    than 5 cm stops it, as it does in the houses.
     """
     endpoint = "127.0.0.1" if transport == "dds" else f"tcp/127.0.0.1:{port}"
     return RobotProfile(
@@ -73,7 +74,7 @@ def simulated_profile(transport: TransportName = "dds", domain: int = 42, port: 
         endpoint=endpoint,
         topics=Topics(labels="/simulation/labels"),
         images=Images(width_px=0),
-        limits=Limits(body_radius_m=0.2, stop_m=0.05),
+        limits=Limits(body_radius_m=0.2, stop_m=0.05, floor_m=0.05),
     )
 
 

@@ -162,12 +162,10 @@ class Sync(_Settings):
     Args:
         slop_s: largest difference between the stamps of rgb and depth.
         pose_gap_s: largest gap between poses over which one is interpolated.
-        wait_s: how long a fresh set is waited for.
     """
 
     slop_s: PositiveFloat = 0.02
     pose_gap_s: PositiveFloat = 0.25
-    wait_s: PositiveFloat = 3.0
 
 
 class RobotProfile(_Settings):
