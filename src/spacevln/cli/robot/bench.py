@@ -71,6 +71,8 @@ def bench(routes: Path, on: str, stop: str, most: int | None, out: Path | None, 
     done = {row.episode_id for row in rows}
     for trial in [trial for trial in trials(listed) if trial.spec.episode_id not in done][:most]:
         row = setup.attempt(trial)
+        if row.status == "interrupted":  # no outcome: it is driven again
+            return 130
         with (setup.directory / ROWS).open("a", encoding="utf-8") as file:
             file.write(row.model_dump_json() + "\n")
         rows.append(row)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -64,6 +65,7 @@ class Setup:
             raise click.UsageError(f"Route {trial.route.id!r} has no scene and start: --on {self.on} needs both.")
         spec = trial.spec
         folder = episode_directory(self.directory, spec.episode_id)
+        shutil.rmtree(folder, ignore_errors=True)  # of an attempt that was interrupted
         ways = {"robot": self._robot, "simulated": self._simulated, "lockstep": self._lockstep, "ideal": self._ideal}
         drive = ways[self.on](trial, folder)
         error_m = self._error_m(trial, drive.end)
