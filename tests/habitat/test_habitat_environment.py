@@ -50,7 +50,7 @@ class TestContract(EnvironmentConformance):
 @pytest.mark.slow
 @pytest.mark.parametrize(("version", "which"), BODIES)
 def test_walks_agree_with_the_records(version: str, which: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    use_standin(monkeypatch, version)
+    use_standin(monkeypatch, version, fault="blank")  # pictures are others' matter
     traces = RECORDS["traces"][version.replace(".", "")]
     compared = 0
     for mesh, (radius_m, cell_height_m) in MESHES.items():
