@@ -74,6 +74,20 @@ def test_regions_group_what_is_one_space_and_doorways_part_what_is_two() -> None
     assert [region.label for region in regions] == ["bedroom 1", "bedroom 2", "bedroom 3", "bedroom 4"]
 
 
+def test_rooms_whose_floors_meet_outside_their_doors_stay_two() -> None:
+    """One door was seen in part, its neighbour not at all: both floors run on into the hallway."""
+    plan = DrawnMap([(0, 0, 4, 3), (0, 3.3, 4, 6.3), (4.1, 0, 5.3, 6.3), (3.9, 2.0, 4.3, 2.9), (3.9, 3.4, 4.3, 4.3)])
+    part = door((4.05, 2.35), (4.05, 2.9))
+    for seen, spaces in (([part, part], [(0,), (1,)]), ([], [(0, 1)])):
+        memory = SpatialCognitiveMemory()
+        memory.add_waypoint(Pose(3.4, 2.5), "bedroom", seen, plan)
+        memory.add_waypoint(Pose(3.4, 3.9), "bedroom", seen, plan)
+        regions = memory.hierarchical.regions
+        shared = np.intersect1d(regions.support_of(0), regions.support_of(1))
+        assert len(shared) > 0.1 * min(len(regions.support_of(0)), len(regions.support_of(1)))
+        assert [region.waypoints for region in regions.all] == spaces
+
+
 def test_a_support_ends_at_walls_and_thresholds() -> None:
     for x, y, label in ((2, 3, "bedroom 1"), (8, 2, "hallway 1"), (7, 3.5, "kitchen 1"), (12.5, 1.5, "living room 1")):
         region = W.region_at(Pose(x, y), 0)
