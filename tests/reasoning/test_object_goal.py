@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import ArrayLike
 from plain_space import PlainSpace, context, seen
 
-from spacevln.core import Feedback, Frontier, ObjectGoalTask, PlannerReply, Pose, Sighting, StageEnd, StageRecord
+from spacevln.core import Feedback, Frontier, Glimpse, ObjectGoalTask, PlannerReply, Pose, Sighting, StageEnd, StageRecord
 from spacevln.language import FREE_FLOOR_M2, LOWER_STOREY, ROOM_SHARES, chance_in_room
 from spacevln.language.object_rooms import OBJECT_ROOMS, OPENS_ON
 from spacevln.reasoning.rules import RulePlanner
@@ -194,3 +194,19 @@ def test_only_stages_that_stood_before_a_thing_were_in_vain(target: tuple[float,
         context(ObjectGoalTask("lamp"), there, ROOMS, [], stage=1, feedback=feedback, last_subtask=subtask), 0
     )
     assert state.vain.get(lamp.id, 0) == vain
+
+
+def test_what_the_images_on_the_way_showed_is_known_at_the_next_boundary() -> None:
+    planner, task = RulePlanner(), ObjectGoalTask("lamp")
+    first = planner.plan(context(task, START, ROOMS, sightings(START))).subtask
+    assert not first.targets_final_anchor
+    on_the_way, there = Pose(3.0, 0.0, 0.0, 0.0), Pose(2.6, 0.0, 0.0, math.pi)
+    upstairs = Pose(3.0, 0.0, 2.8, 0.0)
+    lamp = Glimpse(on_the_way, (seen("lamp", 4.5, 0.0, on_the_way),))
+    elsewhere = Glimpse(upstairs, (seen("lamp", 4.5, 0.0, upstairs),))
+    for glimpses, known in (((lamp,), True), ((elsewhere,), False), ((), False)):
+        feedback = Feedback(first, StageRecord(START), (), StageEnd.STAGE_BUDGET, glimpses)
+        fresh = RulePlanner()
+        fresh.plan(context(task, START, ROOMS, sightings(START)))
+        boundary = context(task, there, ROOMS, [], stage=1, feedback=feedback, last_subtask=first)
+        assert fresh.plan(boundary).subtask.targets_final_anchor == known

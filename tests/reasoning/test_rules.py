@@ -173,6 +173,22 @@ def test_what_the_body_slid_along_is_a_wall_on_that_side() -> None:
     assert turn != unfelt
 
 
+def test_a_goal_that_comes_into_view_ends_the_stage_once() -> None:
+    lamp, other = seen("lamp", 1.0, 0.0, START), seen("lamp", 1.0, -1.5, START)
+    to_the_door = executor_context(START, (4.5, 0.5), FREE)
+    final = Anchor("", SpaceKind.UNKNOWN, "lamp")
+    plain = replace(to_the_door, subtask=replace(to_the_door.subtask, chain=(*to_the_door.subtask.chain, final)))
+    executor = RuleExecutor()
+    assert not isinstance(executor.act(replace(plain, goal="lamp")).action, Stop)
+    assert isinstance(executor.act(replace(plain, goal="lamp", glimpse=(lamp,))).action, Stop)
+    assert not isinstance(executor.act(replace(plain, goal="lamp", glimpse=(lamp,))).action, Stop)  # the planner knows of it
+    assert isinstance(executor.act(replace(plain, goal="lamp", glimpse=(lamp, other))).action, Stop)
+    assert not isinstance(executor.act(replace(plain, goal="sofa", glimpse=(lamp,))).action, Stop)
+    assert not isinstance(executor.act(replace(plain, glimpse=(lamp,))).action, Stop)  # an instruction names no goal object
+    executor.reset()
+    assert isinstance(executor.act(replace(plain, goal="lamp", glimpse=(lamp,))).action, Stop)
+
+
 class TestRulePlanner(PlannerConformance):
     """The public suite."""
 

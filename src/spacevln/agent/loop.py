@@ -12,10 +12,20 @@ from spacevln.agent.finish import FinishJudge
 from spacevln.agent.look_around import look_around
 from spacevln.agent.planning import ask_planner
 from spacevln.agent.settings import AgentSettings
-from spacevln.agent.stage import Stage
+from spacevln.agent.stage import Stage, Watch
 from spacevln.agent.world import World
 from spacevln.control import StepBudget, default_step_limit
-from spacevln.core import EnvironmentFailure, EpisodeSpec, EpisodeStatus, ModelError, SafetyStop, SpendingLimit, StopReason, Task
+from spacevln.core import (
+    EnvironmentFailure,
+    EpisodeSpec,
+    EpisodeStatus,
+    ModelError,
+    ObjectGoalTask,
+    SafetyStop,
+    SpendingLimit,
+    StopReason,
+    Task,
+)
 from spacevln.core.contexts import PlannerContext
 from spacevln.core.events import Event, LookedAround, StageEnded, WaypointAdded
 from spacevln.core.interfaces import Detector, Environment, EventSink, Executor, Planner
@@ -113,11 +123,16 @@ class NavigationAgent:
                 return Ending(EpisodeStatus.STOPPED, StopReason.GATE)
             if judge.stable(subtask, feedback, body.pose):  # 7: the goal is verified and nobody says so
                 return Ending(EpisodeStatus.STOPPED, StopReason.STABLE_FINAL_ARRIVAL)
-            stage = Stage(subtask, body, world, self._executor, settings, self._emit, self._clock)  # 8
+            stage = Stage(subtask, body, world, self._executor, settings, self._emit, self._clock, self._watch(task))  # 8
             feedback = stage.run(panorama)  # 9 to 15: F_k
             self._emit(StageEnded(body.stage, feedback, body.pose))
             body.stage += 1  # 16
         return judge.without_looking(feedback, body, self._emit)
+
+    def _watch(self, task: Task) -> Watch:
+        if not (self._settings.glimpses and isinstance(task, ObjectGoalTask)):
+            return Watch()
+        return Watch(tuple(self._planner.lookaround_queries(task)), task.goal)
 
     def _emit(self, event: Event) -> None:
         for sink in self._sinks:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from spacevln.agent.acting import ask_executor
 from spacevln.agent.body import Body, Phase
@@ -20,7 +20,9 @@ from spacevln.core import (
     ExecutorContext,
     ExecutorReply,
     Feedback,
+    Glimpse,
     Motion,
+    Observation,
     Pose,
     Sighting,
     StageEnd,
@@ -33,6 +35,19 @@ from spacevln.mapping import Incline
 LEAST_RISE_M = 0.3  # to a place on a flight of stairs; less is the floor before it
 
 
+@dataclass(frozen=True, slots=True)
+class Watch:
+    """What the agent looks about for on the way.
+
+    Args:
+        terms: for the detector; none leaves its images to the stage's landmark.
+        goal: name of the goal object; ``""`` for an instruction.
+    """
+
+    terms: tuple[str, ...] = ()
+    goal: str = ""
+
+
 class Stage:
     """Carries out one subtask.
 
@@ -41,6 +56,7 @@ class Stage:
         body, world, executor: what acts, what knows, what decides.
         settings: components and thresholds.
         emit, clock: where events go, and seconds.
+        watch: for what to look about.
     """
 
     def __init__(
@@ -52,6 +68,7 @@ class Stage:
         settings: AgentSettings,
         emit: Callable[[Event], None],
         clock: Callable[[], float],
+        watch: Watch,
     ) -> None:
         self._subtask, self._body, self._world, self._executor = subtask, body, world, executor
         self._settings, self._emit, self._clock = settings, emit, clock
@@ -62,6 +79,7 @@ class Stage:
         floor, region = world.locate(body.pose)
         self._arrival = StageArrival(subtask, floor, region, settings.control)
         self._seen: tuple[Sighting, ...] = ()  # of the stage's landmark in the current image
+        self._watch, self._glimpses = watch, list[Glimpse]()
 
     def run(self, panorama: Panorama) -> Feedback:
         """Rotate to the chosen direction, then decide and act until the stage ends.
@@ -77,7 +95,9 @@ class Stage:
         end = self._budget_end()
         while end is None:  # repeat ... until: an arrival is judged after an action, so that no stage stands still
             end = self._decide_and_act() or (StageEnd.ARRIVAL if self._arrived() else self._budget_end())
-        return Feedback(self._subtask, self._record, self._world.pool(), end)  # F_k = Phi(sigma_k, tau_k, B^(k))
+        return Feedback(
+            self._subtask, self._record, self._world.pool(), end, tuple(self._glimpses)
+        )  # F_k = Phi(sigma_k, tau_k, B^(k))
 
     def _align(self, heading_rad: float) -> None:
         self._note(self._world.perceive([self._body.view], self._terms)[0])
@@ -151,7 +171,16 @@ class Stage:
             space=self._world.space,
             decisions_left=self._settings.control.stage_decisions - len(self._record.decisions),
             sightings=self._seen,
+            goal=self._watch.goal,
+            glimpse=self._look(observation),
         )
+
+    def _look(self, observation: Observation) -> tuple[Sighting, ...]:
+        """A glimpse of the current image, kept for the planner."""
+        if not self._watch.terms:
+            return ()
+        self._glimpses.append(Glimpse(observation.pose, self._world.perceive([observation], self._watch.terms)[0]))
+        return self._glimpses[-1].sightings
 
     def _carry_out(self, reply: ExecutorReply) -> ExecutedDecision:
         """Primitive by primitive; arrival, stall and the end of the budget interrupt it."""

@@ -118,6 +118,7 @@ def build_agent(
         components=Components(**configuration.components.model_dump()),
         control=_control(environment.spec),
         step_limit=configuration.step_budget,
+        glimpses=configuration.glimpses and configuration.planner == "rules",
         arrival_sightings=configuration.arrival_sightings,
     )
     planner = _planner(configuration, environment.spec, models or {})

@@ -224,6 +224,8 @@ class Configuration(_Settings):
         step_budget: environment steps per episode, STOP included; None takes the task's (260 instructions, 280 object goals).
         arrival_sightings: temporal verification: how many different pictures must show a landmark before it counts as reached;
             1, the paper's rule, believes the first.
+        glimpses: searching for an object, the rule planner, which sees nothing but detections, is told at every executor decision
+            what of its look-around's terms the image shows; False leaves it to its look-arounds. Models see the images themselves.
     """
 
     driver: Literal["agent", "random", "forward", "frontier", "oracle", "reference"] = "agent"
@@ -237,6 +239,7 @@ class Configuration(_Settings):
     memory: KnownBuilding | None = None
     step_budget: PositiveInt | None = None
     arrival_sightings: PositiveInt = 1
+    glimpses: bool = True
 
     @property
     def hash(self) -> str:

@@ -33,6 +33,12 @@ agent_options = option_group(
         show_default=True,
         help="Pictures that must show a landmark before it counts as reached (temporal verification).",
     ),
+    click.option(
+        "--glimpses/--no-glimpses",
+        default=True,
+        show_default=True,
+        help="Of object goals, tell the rule planner what the images on the way show, too; models see them anyway.",
+    ),
     click.option("--steps", type=click.IntRange(min=1), default=None, help="Step budget, STOP included."),
     click.option("--chase", is_flag=True, help="Record a camera that follows the robot, too (embedded houses)."),
     click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=None, help="Run directory."),
@@ -64,6 +70,7 @@ def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Con
         prompts=prompts_from(options),
         step_budget=options["steps"],
         arrival_sightings=options["arrival_sightings"],
+        glimpses=options["glimpses"],
     )
 
 

@@ -145,6 +145,8 @@ class ExecutorContext:
         decisions_left: executor decisions that the stage budget still allows, this one included.
         rejections: why earlier answers to this very query were refused.
         sightings: of the stage's landmark in this very image, for marking it.
+        goal: name of the goal object, where the agent looks about for it on the way; else ``""``.
+        glimpse: then, of everything that the planner's look-around asks for, in this very image.
     """
 
     observation: Observation
@@ -157,6 +159,8 @@ class ExecutorContext:
     decisions_left: int
     rejections: tuple[str, ...] = ()
     sightings: tuple[Sighting, ...] = ()
+    goal: str = ""
+    glimpse: tuple[Sighting, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

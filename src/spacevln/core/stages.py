@@ -10,6 +10,7 @@ from enum import StrEnum
 
 from spacevln.core.actions import Action, TurnPurpose
 from spacevln.core.geometry import Pose
+from spacevln.core.sensing import Sighting
 
 
 class SpaceKind(StrEnum):
@@ -208,13 +209,35 @@ class StageEnd(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Glimpse:
+    """What one image on the way showed, of the terms that the planner's look-around asks for.
+
+    Args:
+        pose: of the body.
+        sightings: lifted detections.
+    """
+
+    pose: Pose
+    sightings: tuple[Sighting, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Feedback:
-    """F_k = Phi(sigma_k, tau_k, B^(k)): what the planner learns about the last stage."""
+    """F_k = Phi(sigma_k, tau_k, B^(k)): what the planner learns about the last stage.
+
+    Args:
+        subtask: sigma_k.
+        record: tau_k.
+        pool: B^(k).
+        end: why it ended.
+        glimpses: one for every executor decision, where the agent is set to look about on the way.
+    """
 
     subtask: Subtask
     record: StageRecord
     pool: LandmarkPool
     end: StageEnd
+    glimpses: tuple[Glimpse, ...] = ()
 
 
 class EpisodeStatus(StrEnum):

@@ -23,6 +23,7 @@ from spacevln.core import (
 )
 from spacevln.reasoning.rules.grid import comfortable_guide
 from spacevln.reasoning.rules.heading import ARRIVED_M
+from spacevln.reasoning.rules.instances import Match, match
 from spacevln.reasoning.rules.lattice import Gait, first_run, straight_guide
 
 Float = NDArray[np.float64]
@@ -32,11 +33,12 @@ SHORT_M = 0.1  # of a forward
 BUMP_M, BUMP_ACROSS_M = 0.15, (-0.1, -0.05, 0.0, 0.05, 0.1)  # from the body's centre to what it touches, and along that
 BEFORE_LANDMARK_M = 0.12  # a landmark's arrival is not the target's: one goes as near as one gets
 OTHER_STOREY_M = 0.5
+SAME_THING_M = 1.0
 STEP_UP_M = 0.2  # of a stair: on the last one the flight is not over
 
 
 class RuleExecutor:
-    """Implements :class:`spacevln.core.Executor`. Keeps nothing but what the body has bumped into.
+    """Implements :class:`spacevln.core.Executor`. Keeps nothing but what the body has bumped into, and where it saw the goal.
 
     Args:
         gait: what the body can do; None is that of the simulators.
@@ -45,16 +47,20 @@ class RuleExecutor:
     def __init__(self, gait: Gait | None = None) -> None:
         self._gait = gait or Gait()
         self._bumps: list[tuple[float, float, float]] = []
+        self._told: list[tuple[float, float]] = []  # where the goal came into view
         self._from = Pose(0.0, 0.0, 0.0, 0.0)  # where the last decision was made
 
     def reset(self) -> None:
         """Forget the episode."""
         self._bumps.clear()
+        self._told.clear()
 
     def act(self, context: ExecutorContext) -> ExecutorReply:
         """The next action."""
         pose = context.observation.pose
         self._feel(context)
+        if self._goal_comes_into_view(context):
+            return _reply(context, Stop(), None, None, f"a {context.goal} comes into view: back to the planner")
         candidate = _candidate(context)
         target = _target(context, candidate)
         if target is None:
@@ -69,6 +75,18 @@ class RuleExecutor:
         if _turns_back(action) and sum(_turns_back(decision.asked) for decision in context.progress.decisions) >= TURNS_BACK:
             return _reply(context, Stop(), None, candidate, "the way leads to and fro: back to the planner")
         return _reply(context, action, purpose, candidate, f"target {remaining:.2f} m away: {describe(action)}")
+
+    def _goal_comes_into_view(self, context: ExecutorContext) -> bool:
+        """Whether the goal object, looked for elsewhere, is seen at a place that the planner was not sent back for yet."""
+        if not context.goal or context.subtask.targets_final_anchor:
+            return False
+        new = False
+        for sighting in context.glimpse:
+            at = (sighting.position_m[0], sighting.position_m[1])
+            if match(context.goal, sighting.category, sighting.attributes) is Match.NAME:
+                new = new or all(math.dist(at, told) > SAME_THING_M for told in self._told)
+                self._told.append(at)
+        return new
 
     def _feel(self, context: ExecutorContext) -> None:
         """What kept a forward from its way lies on the side to which the body did not move; slid along, it is a wall's.

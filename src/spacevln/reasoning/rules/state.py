@@ -19,6 +19,7 @@ REACHED_M = 0.7
 SPENT_M = 0.4
 SAME_PLACE_M = 0.8
 LEAST_GAIN_M = 0.6  # a stage that brings its target no nearer than this has failed
+LEVEL_M = 0.3  # of heights that are one storey's
 BEFORE_M = 1.3  # from a thing's surface: who was sent no nearer did not stand before it
 
 
@@ -70,6 +71,7 @@ class EpisodeState:
             self.levels[floor] = pose.z_m
         self.visited.append((floor, here))
         if self.crossing is None:  # on the steps one sees two storeys at once
+            self._take_glimpses(context, floor)
             self.sightings.add(
                 (sighting for view in context.views for sighting in view.sightings), floor, here, square_rad(context.space, pose)
             )
@@ -91,6 +93,13 @@ class EpisodeState:
             self.levels.setdefault(waypoint.floor, waypoint.pose.z_m)
             things = [seen for cue in waypoint.cues if (seen := remembered(cue)) is not None]
             self.sightings.add(things, waypoint.floor, stood, self.sightings.square_rad)
+
+    def _take_glimpses(self, context: PlannerContext, floor: int) -> None:
+        """Take in what was seen on the way, on this storey."""
+        for glimpse in context.feedback.glimpses if context.feedback is not None else ():
+            pose = glimpse.pose
+            if abs(pose.z_m - context.pose.z_m) < LEVEL_M:
+                self.sightings.add(iter(glimpse.sightings), floor, (pose.x_m, pose.y_m), square_rad(context.space, context.pose))
 
     def world(self, context: PlannerContext, floor: int) -> World:
         """The picture of everything known."""
