@@ -80,16 +80,16 @@ class EpisodeState:
         return self.world(context, floor)
 
     def _recall(self, context: PlannerContext) -> None:
-        """Take in what a loaded memory knows of earlier episodes: where one stood, and the things seen from there.
+        """Take in what a loaded memory knows of earlier episodes: storeys, and the things seen there.
 
-        Ways through are left out: a cue has no threshold.
+        Ways through are left out: a cue has no threshold. So is where one stood: a visited place counts as looked at in vain,
+        which says nothing about another goal.
         """
         for item in context.memory.waypoints if context.memory is not None else ():
             if Mark.EARLIER not in item.marks:
                 continue
             waypoint = item.waypoint
             stood = (waypoint.pose.x_m, waypoint.pose.y_m)
-            self.visited.append((waypoint.floor, stood))
             self.levels.setdefault(waypoint.floor, waypoint.pose.z_m)
             things = [seen for cue in waypoint.cues if (seen := remembered(cue)) is not None]
             self.sightings.add(things, waypoint.floor, stood, self.sightings.square_rad)
