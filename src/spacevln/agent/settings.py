@@ -33,8 +33,8 @@ class AgentSettings:
         components: which parts are switched on.
         control: thresholds of the control rules.
         step_limit: environment steps of an episode, STOP included; None takes the task's own (260 or 280, paper).
-        glimpses: of object goals, at every executor decision the detector is asked for all that the planner's look-around asks for, and the
-            planner is told: what a model sees in the executor's images, for planners that see nothing but detections.
+        glimpses: of object goals, at every executor decision the detector is asked for all that the planner's look-around asks
+            for, and the planner is told: what a model sees in the executor's images, for planners that see but detections.
         arrival_sightings: temporal verification, see :class:`~spacevln.memory.LocalLandmarkMemory`; 1 is the paper's rule.
     """
 

@@ -225,7 +225,7 @@ class Configuration(_Settings):
         arrival_sightings: temporal verification: how many different pictures must show a landmark before it counts as reached;
             1, the paper's rule, believes the first.
         glimpses: searching for an object, the rule planner, which sees nothing but detections, is told at every executor decision
-            what of its look-around's terms the image shows; False leaves it to its look-arounds. Models see the images themselves.
+            what of its look-around's terms the image shows; False leaves it to its look-arounds. Models see images themselves.
     """
 
     driver: Literal["agent", "random", "forward", "frontier", "oracle", "reference"] = "agent"
