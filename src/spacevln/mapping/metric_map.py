@@ -260,8 +260,9 @@ class MetricMap:
 
         See :meth:`sector_distance_m`. The body touches it when it has moved the distance less ``agent_radius_m``.
         """
-        ahead, left, right = (
-            self.sector_distance_m(observation, bearing, incline) for bearing in (0.0, math.pi / 6, -math.pi / 6)
+        bearings = (0.0, math.pi / 6, -math.pi / 6)
+        ahead, left, right = sectors.body_distances_m(
+            self._floor, observation, bearings, self.agent_radius_m, self.resolution_m, incline
         )
         return ObstacleDistances(front_m=ahead, left_30_m=left, right_30_m=right)
 
@@ -277,7 +278,10 @@ class MetricMap:
             bearing_rad: direction, egocentric, left positive.
             incline: the flight of stairs that is being taken; what lies on it is no obstacle either.
         """
-        return sectors.body_distance_m(self._floor, observation, bearing_rad, self.agent_radius_m, self.resolution_m, incline)
+        (distance_m,) = sectors.body_distances_m(
+            self._floor, observation, (bearing_rad,), self.agent_radius_m, self.resolution_m, incline
+        )
+        return distance_m
 
     # -- pictures ----------------------------------------------------------------------------------------------------------
 

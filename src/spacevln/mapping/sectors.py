@@ -7,7 +7,6 @@ direction: a corridor as wide as the body is looked along, not a single ray.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numba
 import numpy as np
@@ -42,38 +41,45 @@ _MIN_SAMPLES = 3
 _BINS = 320
 
 
-def body_distance_m(
+def body_distances_m(
     floor: Floor,
     observation: Observation,
-    bearing_rad: float,
+    bearings_rad: tuple[float, ...],
     agent_radius_m: float,
     resolution_m: float,
     incline: Incline | None = None,
-) -> float:
-    """See :meth:`spacevln.mapping.MetricMap.sector_distance_m`."""
+) -> tuple[float, ...]:
+    """See :meth:`spacevln.mapping.MetricMap.sector_distance_m`, for several directions."""
     pose = observation.pose
-    angle = pose.yaw_rad + bearing_rad
-    direction = math.cos(angle), math.sin(angle)
+    directions = [(math.cos(pose.yaw_rad + bearing), math.sin(pose.yaw_rad + bearing)) for bearing in bearings_rad]
     view = camera_view(observation, pose.x_m, pose.y_m)
     depth_m = np.ascontiguousarray(observation.depth_m, np.float32)
-    seen_m = depth_distance_m(depth_m, view, direction, agent_radius_m, _treads(floor, pose, resolution_m, incline))
+    treads = _treads(floor, pose, resolution_m, incline)
+    seen_m = [depth_distance_m(depth_m, view, direction, agent_radius_m, treads) for direction in directions]
     if abs(pose.z_m - floor.z_m) > ON_STAIRS_M:
-        return float(min(DEPTH_REACH_M, seen_m))  # what stands on the floor left behind is over or under the agent
+        map_m = [DEPTH_REACH_M for _ in directions]  # what stands on the floor left behind is over or under the agent
+    else:
+        map_m = _map_distances_m(floor, pose, directions, agent_radius_m, resolution_m, incline)
+    return tuple(float(min(DEPTH_REACH_M, known, seen)) for known, seen in zip(map_m, seen_m, strict=True))
+
+
+def _map_distances_m(
+    floor: Floor,
+    pose: Pose,
+    directions: list[tuple[float, float]],
+    agent_radius_m: float,
+    resolution_m: float,
+    incline: Incline | None,
+) -> list[float]:
+    """What the map tells, up to ``MAP_REACH_M``; inf beyond."""
     reach = math.ceil(MAP_REACH_M / resolution_m) + 1
     i0, j0 = math.floor(pose.x_m / resolution_m) - reach, math.floor(pose.y_m / resolution_m) - reach
     solid = floor.solid.window(i0, j0, 2 * reach, 2 * reach)
     if incline is not None:
         solid = np.where(np.isnan(_over_cells(incline, i0, j0, 2 * reach, resolution_m)), solid, 0).astype(np.uint8)
-    map_m = resolution_m * map_distance_cells(
-        solid,
-        pose.x_m / resolution_m - i0,
-        pose.y_m / resolution_m - j0,
-        *direction,
-        agent_radius_m / resolution_m,
-        agent_radius_m / resolution_m,
-        MAP_REACH_M / resolution_m,
-    )
-    return float(min(DEPTH_REACH_M, map_m, seen_m))
+    body = agent_radius_m / resolution_m
+    at_i, at_j, most = pose.x_m / resolution_m - i0, pose.y_m / resolution_m - j0, MAP_REACH_M / resolution_m
+    return [resolution_m * map_distance_cells(solid, at_i, at_j, c, s, body, body, most) for c, s in directions]
 
 
 def _over_cells(incline: Incline, i0: int, j0: int, cells: int, resolution_m: float) -> NDArray[np.float64]:
@@ -120,14 +126,12 @@ def depth_distance_m(
     bearing = math.atan2(left, forward)
     near = _columns(view, bearing, _NEAR_HALF_RAD, depth_m.shape[1])
     rows = depth_m.shape[0]
-    samples = depth_m[int(_NEAR_ROWS[0] * rows) : int(_NEAR_ROWS[1] * rows) : _STRIDE_PX, near[0] : near[1] : _STRIDE_PX]
-    close = int(np.count_nonzero((samples > 0) & (samples <= DEPTH_FROM_M + _NEAR_SLACK_M)))
-    if close >= _NEAR_SAMPLES and close >= _NEAR_SHARE * samples.size:
+    close, size = _close_samples(depth_m, int(_NEAR_ROWS[0] * rows), int(_NEAR_ROWS[1] * rows), near[0], near[1])
+    if close >= _NEAR_SAMPLES and close >= _NEAR_SHARE * size:
         return NEAR_CLIP_M
     wide = _columns(view, bearing, math.atan2(half_width_m, DEPTH_FROM_M) + math.radians(2.0), depth_m.shape[1])
-    counts = _histogram(depth_m, view, c, s, half_width_m, wide[0], wide[1], *stairs)
-    found = np.flatnonzero(np.cumsum(counts) >= _MIN_SAMPLES)
-    return float(found[0]) * _BIN_M if len(found) else math.inf
+    nearest = _nearest_bin(depth_m, view, c, s, half_width_m, wide[0], wide[1], *stairs)
+    return nearest * _BIN_M if nearest < _BINS else math.inf
 
 
 def _columns(view: NDArray[np.float64], bearing: float, half_rad: float, width: int) -> tuple[int, int]:
@@ -138,7 +142,21 @@ def _columns(view: NDArray[np.float64], bearing: float, half_rad: float, width: 
 
 
 @numba.njit(cache=True)
-def _histogram(
+def _close_samples(
+    depth_m: NDArray[np.float32], v0: int, v1: int, u0: int, u1: int
+) -> tuple[int, int]:  # pragma: no cover - compiled
+    """Samples at the camera's lower limit in a part of the image, and all of them."""
+    close, size = 0, 0
+    limit = np.float32(DEPTH_FROM_M + _NEAR_SLACK_M)
+    for v in range(v0, v1, _STRIDE_PX):
+        for u in range(u0, u1, _STRIDE_PX):
+            size += 1
+            close += 0.0 < depth_m[v, u] <= limit
+    return close, size
+
+
+@numba.njit(cache=True)
+def _nearest_bin(
     depth_m: NDArray[np.float32],
     view: NDArray[np.float64],
     c: float,
@@ -150,8 +168,8 @@ def _histogram(
     ground: NDArray[np.int8],
     feet_bins: int,
     resolution_m: float,
-) -> Any:  # pragma: no cover - compiled
-    """Number of pixels per distance bin that show something standing in the body's way."""
+) -> int:  # pragma: no cover - compiled
+    """Distance bin up to which enough pixels show something standing in the body's way; ``_BINS`` when none is."""
     counts = np.zeros(_BINS, np.int64)
     half = seen.shape[0] * 0.5
     # Per column: ahead, across and up per metre of depth, before the row's part is added.
@@ -183,7 +201,12 @@ def _histogram(
                 if on_tread and z < (ground[i, j] - feet_bins + TREAD_TOP_BIN - GROUND_BIN) * HEIGHT_BIN_M:
                     continue
             counts[min(int(along * (1.0 / _BIN_M)), _BINS - 1)] += 1
-    return counts
+    samples = 0
+    for nearest in range(_BINS):
+        samples += counts[nearest]
+        if samples >= _MIN_SAMPLES:
+            return nearest
+    return _BINS
 
 
 @numba.njit(cache=True)
