@@ -60,10 +60,10 @@ def best_masks(
     masks = []
     for of_box, scores, (x0, y0, x1, y1) in zip(logits, quality, boxes_px, strict=True):
         grid = of_box[int(np.argmax(scores))].astype(np.float32)
-        cells_x, cells_y = grid.shape[1] / framing.size_px, grid.shape[0] / framing.size_px
-        u = ((np.arange(x0, x1) + 0.5) * framing.scale_x * cells_x - 0.5).astype(np.float32)
-        v = ((np.arange(y0, y1) + 0.5) * framing.scale_y * cells_y - 0.5).astype(np.float32)
-        columns, rows = np.meshgrid(u, v)
-        inside = cv2.remap(grid, columns, rows, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        step_x, step_y = framing.scale_x * grid.shape[1] / framing.size_px, framing.scale_y * grid.shape[0] / framing.size_px
+        to_grid = np.array([[step_x, 0.0, (x0 + 0.5) * step_x - 0.5], [0.0, step_y, (y0 + 0.5) * step_y - 0.5]])
+        inside = cv2.warpAffine(
+            grid, to_grid, (x1 - x0, y1 - y0), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE
+        )
         masks.append(np.asarray(inside > MASK_THRESHOLD, np.bool_))
     return masks

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,14 +118,15 @@ def score_phrases(token_scores: NDArray[np.float32], caption: Caption, count: in
 def prefer_specific(scores: NDArray[np.float32], queries: Sequence[Query]) -> NDArray[np.float32]:
     """Give a box its most specific name, at the best of their scores: a "white sofa" is no longer a "sofa" or a "couch"."""
     preferred = scores.copy()
-    for specific, general in _pairs(queries):
+    for specific, general in _pairs(tuple(queries)):
         named = preferred[:, specific] > 0
         preferred[named, specific] = np.maximum(preferred[named, specific], preferred[named, general])
         preferred[named, general] = 0.0
     return preferred
 
 
-def _pairs(queries: Sequence[Query]) -> list[tuple[int, int]]:
+@lru_cache(maxsize=64)
+def _pairs(queries: tuple[Query, ...]) -> list[tuple[int, int]]:
     """Indices (specific, general), the most specific first."""
     words = [frozenset(query.text.split()) for query in queries]
     nouns = [head_noun(query.text) for query in queries]
