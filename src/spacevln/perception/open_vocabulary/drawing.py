@@ -16,18 +16,21 @@ TINT = 0.45  # of a mask over the picture
 
 
 def draw_detections(rgb: NDArray[np.uint8], detections: Sequence[Detection]) -> NDArray[np.uint8]:
-    """A copy with masks tinted, boxes framed and named; one colour a phrase."""
+    """A copy with masks tinted, boxes framed and named; one colour a phrase. No mask lies over a name."""
     canvas = rgb.copy()
     names = sorted({detection.category for detection in detections})
+    colours = {name: COLOURS[index % len(COLOURS)] for index, name in enumerate(names)}
+    for detection in reversed(detections):
+        if detection.mask is not None:
+            x0, y0, x1, y1 = detection.box_px
+            window = canvas[y0:y1, x0:x1]
+            window[detection.mask] = (1 - TINT) * window[detection.mask] + TINT * np.array(colours[detection.category])
     size = max(0.4, rgb.shape[1] / 1280)
     for detection in reversed(detections):
-        colour = COLOURS[names.index(detection.category) % len(COLOURS)]
         x0, y0, x1, y1 = detection.box_px
-        if detection.mask is not None:
-            window = canvas[y0:y1, x0:x1]
-            window[detection.mask] = (1 - TINT) * window[detection.mask] + TINT * np.array(colour)
-        cv2.rectangle(canvas, (x0, y0), (x1 - 1, y1 - 1), colour, 2)
-        _name(canvas, f"{plain_name(detection.category)} {detection.confidence:.2f}", (x0, y0), colour, size)
+        cv2.rectangle(canvas, (x0, y0), (x1 - 1, y1 - 1), colours[detection.category], 2)
+        words = f"{plain_name(detection.category)} {detection.confidence:.2f}"
+        _name(canvas, words, (x0, y0), colours[detection.category], size)
     return canvas
 
 
