@@ -64,3 +64,12 @@ def test_continuous_metrics_are_tested_by_permutation() -> None:
     far = {name: value - 2 + float(rng.normal(0, 1)) for name, value in first.items()}
     assert paired(first, near).p_value > 0.05
     assert paired(first, far).p_value < 0.001
+
+
+def test_success_in_percent_is_compared_as_success_is_and_one_episode_says_nothing() -> None:
+    first = {f"e{k}": float(k % 3 == 0) for k in range(30)}
+    second = {f"e{k}": float(k % 2 == 0) for k in range(30)}
+    percent = paired({name: 100 * value for name, value in first.items()}, {name: 100 * value for name, value in second.items()})
+    assert percent.p_value == paired(first, second).p_value
+    assert paired({"a": 0.0}, {"a": 100.0}).p_value == 1.0
+    assert paired({"a": 1.5}, {"a": 2.5}).p_value == 1.0

@@ -51,8 +51,8 @@ class Paired:
         count: episodes that have it in both.
         first, second: means.
         difference: of second and first, with its interval.
-        p_value: two-sided; exact McNemar test for a metric of zeros and ones, else a sign-flip permutation test; None for no
-            episodes.
+        p_value: two-sided; exact McNemar test for a metric of two values, such as success, else a sign-flip permutation test;
+            None for no episodes.
         gained, lost: episodes in which second is larger, and smaller.
     """
 
@@ -88,8 +88,10 @@ def _p_value(a: np.ndarray, b: np.ndarray) -> float:
     gained, lost = int((steps > 0).sum()), int((steps < 0).sum())
     if gained + lost == 0:
         return 1.0
-    if set(np.unique(np.concatenate([a, b]))) <= {0.0, 1.0}:
+    if len(np.unique(np.concatenate([a, b]))) <= 2:
         return float(binomtest(gained, gained + lost).pvalue)
+    if len(steps) < 2:
+        return 1.0  # one episode says nothing
     found = permutation_test(
         (steps,), np.mean, permutation_type="samples", n_resamples=PERMUTATIONS, rng=np.random.default_rng(0)
     )
