@@ -95,9 +95,8 @@ class Stage:
         end = self._budget_end()
         while end is None:  # repeat ... until: an arrival is judged after an action, so that no stage stands still
             end = self._decide_and_act() or (StageEnd.ARRIVAL if self._arrived() else self._budget_end())
-        return Feedback(
-            self._subtask, self._record, self._world.pool(), end, tuple(self._glimpses)
-        )  # F_k = Phi(sigma_k, tau_k, B^(k))
+        # F_k = Phi(sigma_k, tau_k, B^(k))
+        return Feedback(self._subtask, self._record, self._world.pool(), end, tuple(self._glimpses))
 
     def _align(self, heading_rad: float) -> None:
         self._note(self._world.perceive([self._body.view], self._terms)[0])
