@@ -203,8 +203,8 @@ class Stage:
 
 
 def _incline(subtask: Subtask, pose: Pose) -> Incline | None:
-    """The way up or down, of a stage that takes a flight of stairs to a known place."""
+    """The way up or down, of a stage that takes a flight of stairs to a known place; a landmark's height is no storey's."""
     target = subtask.target_m
-    if target is None or abs(target[2] - pose.z_m) <= LEAST_RISE_M:
+    if target is None or subtask.landmark or abs(target[2] - pose.z_m) <= LEAST_RISE_M:
         return None
     return Incline((pose.x_m, pose.y_m, pose.z_m), target)
