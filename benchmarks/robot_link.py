@@ -82,6 +82,7 @@ def play_agent(transport: Transport, robot: subprocess.Popen[str]) -> dict[str, 
 
 def _report(robot: dict[str, Any], late_ms: dict[str, list[float]], cpu_s: float, took_s: float) -> dict[str, Any]:
     heard = robot["commands"]
+    meant = range(heard[0], max(heard) + 1)
     streams = {
         name: {
             "sent": robot["sent"][name],
@@ -95,7 +96,11 @@ def _report(robot: dict[str, Any], late_ms: dict[str, list[float]], cpu_s: float
     return {
         "seconds": round(took_s, 1),
         "streams": streams,
-        "commands": {"heard": len(heard), "lost": heard[-1] - heard[0] + 1 - len(heard)},
+        "commands": {
+            "heard": len(heard),
+            "lost": len(set(meant) - set(heard)),
+            "strange": len(heard) - len(set(meant) & set(heard)),  # twice, or of another writer
+        },
         "cpu_percent": {"robot": round(100 * robot["cpu_s"] / took_s, 1), "agent": round(100 * cpu_s / took_s, 1)},
     }
 
