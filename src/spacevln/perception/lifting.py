@@ -95,7 +95,7 @@ def _relief(observation: Observation, detection: Detection) -> tuple[tuple[float
     away = ((points - observation.T_world_camera[:3, 3]) * normals).sum(axis=1) > 0
     normals[away] *= -1.0  # out of the surface, towards the eye
     kept = np.hstack([points, normals])[:: max(1, len(points) // RELIEF_POINTS)]
-    return tuple((float(x), float(y), float(z), float(a), float(b), float(c)) for x, y, z, a, b, c in kept)
+    return tuple(map(tuple, kept.tolist()))
 
 
 def _lift_opening(observation: Observation, detection: Detection) -> Sighting | None:
@@ -129,11 +129,12 @@ def _sighting(
 ) -> Sighting:
     eye = observation.T_world_camera[:2, 3]
     xy = points[:, :2]
-    ranges = np.hypot(*(xy - eye).T)
-    spans = np.sort(xy @ _DIRECTIONS.T, axis=0)
-    trim = len(xy) // 40
-    extent = float((spans[len(xy) - 1 - trim] - spans[trim]).max())
-    nearest = float(np.sort(ranges)[int(len(ranges) * NEAREST_PERCENTILE / 100)])
+    ranges = np.hypot(xy[:, 0] - eye[0], xy[:, 1] - eye[1])
+    low, high = len(xy) // 40, len(xy) - 1 - len(xy) // 40
+    spans = np.partition(_DIRECTIONS @ xy.T, (low, high), axis=1)
+    extent = float((spans[:, high] - spans[:, low]).max())
+    near = int(len(ranges) * NEAREST_PERCENTILE / 100)
+    nearest = float(np.partition(ranges, near)[near])
     surface = xy if len(xy) <= SURFACE_POINTS else _nearest_by_direction(xy, eye, ranges)
     return Sighting(
         category=plain_name(detection.category),
@@ -146,15 +147,15 @@ def _sighting(
         attributes=tuple(map(plain_name, detection.attributes)),
         is_passage=is_passage,
         pixels=pixels,
-        surface_m=tuple((float(x), float(y)) for x, y in surface),
+        surface_m=tuple(map(tuple, surface.tolist())),
     )
 
 
 def _nearest_by_direction(xy: Float, eye: Float, ranges: Float) -> Float:
     """For each of a few directions from the eye, a near (not the very nearest: noise) surface point; left to right."""
+    beyond = xy - eye
     ahead = xy.mean(axis=0) - eye
-    across = (xy - eye) @ (-ahead[1], ahead[0])
-    along = (xy - eye) @ ahead
+    across, along = beyond @ (-ahead[1], ahead[0]), beyond @ ahead
     order = np.argsort(-across / np.maximum(along, 1e-6), kind="stable")
     per_part = len(order) // SURFACE_POINTS
     parts = order[: per_part * SURFACE_POINTS].reshape(SURFACE_POINTS, per_part)
@@ -168,7 +169,7 @@ def _sample(depth_m: NDArray[np.float32], detection: Detection) -> tuple[Float, 
     area = (x1 - x0) * (y1 - y0)
     if area <= 0:
         return None
-    stride = max(1, math.isqrt(area // LOOKED_AT))  # of a large box not every pixel is needed
+    stride = math.ceil(math.sqrt(area / LOOKED_AT))  # of a large box not every pixel is needed
     window = depth_m[y0:y1:stride, x0:x1:stride]
     mask = (detection.mask if detection.mask is not None else _centre((y1 - y0, x1 - x0)))[::stride, ::stride]
     valid = mask & (window > 0) & (window < np.inf)
@@ -252,7 +253,9 @@ def _jamb(columns: Float, offset: int) -> tuple[float, float]:
 def _to_world(observation: Observation, u: Float, v: Float, depth: Float) -> Float:
     """Pixels (u, v: column and row) with depth as points (N, 3) of the episode frame."""
     camera = observation.camera
-    left = -(u + 0.5 - camera.cx_px) / camera.fx_px * depth
-    up = -(v + 0.5 - camera.cy_px) / camera.fy_px * depth
+    points = np.empty((len(depth), 3))  # forward, left, up
+    points[:, 0] = depth
+    points[:, 1] = -(u + 0.5 - camera.cx_px) / camera.fx_px * depth
+    points[:, 2] = -(v + 0.5 - camera.cy_px) / camera.fy_px * depth
     T = observation.T_world_camera
-    return np.stack([depth, left, up], axis=1) @ T[:3, :3].T + T[:3, 3]
+    return points @ T[:3, :3].T + T[:3, 3]
