@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 
 from spacevln.core.errors import UnknownNameError
 from spacevln.environments.houses.materials import Material, material
-from spacevln.environments.houses.plan import Part
+from spacevln.environments.houses.plan import Part, PartShape
 
 _THIN_M = 0.035
 """Rods thinner than this, and balls smaller than twice this, get fewer faces."""
 Array = NDArray[np.float64]
 Faces = NDArray[np.int32]
+Triple = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -273,25 +274,30 @@ def _texture_coordinates(mesh: UnitMesh, size: Array, stuff: Material) -> Array:
 @lru_cache(maxsize=8192)
 def part_triangles(part: Part) -> Triangles:
     """Triangles of one part in the item's frame."""
-    if part.shape == "capsule":
-        mesh, size = named_mesh("ellipsoid"), np.array([part.size[0], part.size[0], part.size[1] + part.size[0]])
-    elif part.shape == "cylinder":
-        thin = part.size[0] < _THIN_M
-        mesh = named_mesh("thin cylinder" if thin else "cylinder")
-        size = np.array([part.size[0], part.size[0], part.size[1]])
-    elif part.shape == "ellipsoid":
-        mesh, size = named_mesh("small ellipsoid" if max(part.size) < 2 * _THIN_M else "ellipsoid"), np.array(part.size)
+    made = _turned(part.shape, part.size, part.euler_rad, part.material, part.mesh)
+    return Triangles(made.points + np.array(part.position), made.normals, made.uv, made.faces)
+
+
+@lru_cache(maxsize=8192)  # a design is first built, then moved over its footprint: the same part in two positions
+def _turned(shape: PartShape, extent: Triple, euler_rad: Triple, look: str, name: str) -> Triangles:
+    """Triangles of a part that lies at the origin."""
+    if shape == "capsule":
+        mesh, size = named_mesh("ellipsoid"), np.array([extent[0], extent[0], extent[1] + extent[0]])
+    elif shape == "cylinder":
+        mesh, size = named_mesh("thin cylinder" if extent[0] < _THIN_M else "cylinder"), np.array([extent[0], *extent[:2]])
+    elif shape == "ellipsoid":
+        mesh, size = named_mesh("small ellipsoid" if max(extent) < 2 * _THIN_M else "ellipsoid"), np.array(extent)
     else:
-        mesh, size = named_mesh(part.mesh if part.shape == "mesh" else part.shape), np.array(part.size)
-    uv = _texture_coordinates(mesh, size, material(part.material))
+        mesh, size = named_mesh(name if shape == "mesh" else shape), np.array(extent)
+    uv = _texture_coordinates(mesh, size, material(look))
     points, normals = mesh.points * size, mesh.normals
     if not size[0] == size[1] == size[2] and mesh is not named_mesh("box"):
         normals = normals / np.maximum(size, 1e-9)
         normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    if any(part.euler_rad):
-        turn = rotation(part.euler_rad).T
+    if any(euler_rad):
+        turn = rotation(euler_rad).T
         points, normals = points @ turn, normals @ turn
-    return Triangles(points + np.array(part.position), normals, uv, mesh.faces)
+    return Triangles(points, normals, uv, mesh.faces)
 
 
 def join(pieces: Sequence[Triangles]) -> Triangles:

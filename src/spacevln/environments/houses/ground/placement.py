@@ -72,7 +72,7 @@ class PlacementGuard:
         group = [footprints] if isinstance(footprints, (Rect, np.ndarray)) else list(footprints)
         shapes = np.array([_oriented(shape) for shape in group], np.float64).reshape(-1, 6)
         keep = np.array([box(rect) for rect in self._keep[room_id]], np.float64).reshape(-1, 6)
-        if any(_overlap(shape, zone) for shape in shapes for zone in keep):
+        if _overlap(shapes, keep):
             return False
         room = self._house.rooms[room_id]
         if not all(room.contains(x, y, -_TOUCH_M) for shape in shapes for x, y in _corners(shape)):
@@ -143,14 +143,19 @@ def _corners(shape: NDArray[np.float64]) -> list[tuple[float, float]]:
     return [(x + c * u - s * v, y + s * u + c * v) for u in (-hx, hx) for v in (-hy, hy)]
 
 
-def _overlap(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
-    """Whether two oriented boxes overlap (separating axes)."""
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    for c, s in ((a[2], a[3]), (-a[3], a[2]), (b[2], b[3]), (-b[3], b[2])):
-        reach = sum(abs(q[2] * c + q[3] * s) * q[4] + abs(q[2] * s - q[3] * c) * q[5] for q in (a, b))
-        if abs(dx * c + dy * s) >= reach - 1e-6:
-            return False
-    return True
+@njit(cache=True)
+def _overlap(shapes: NDArray[np.float64], zones: NDArray[np.float64]) -> bool:
+    """Whether any of some oriented boxes overlaps any of others (separating axes)."""
+    for i in range(len(shapes)):
+        for j in range(len(zones)):
+            a, b, apart = shapes[i], zones[j], False
+            for c, s in ((a[2], a[3]), (-a[3], a[2]), (b[2], b[3]), (-b[3], b[2])):
+                reach = abs(a[2] * c + a[3] * s) * a[4] + abs(a[2] * s - a[3] * c) * a[5]
+                reach += abs(b[2] * c + b[3] * s) * b[4] + abs(b[2] * s - b[3] * c) * b[5]
+                apart = apart or abs((b[0] - a[0]) * c + (b[1] - a[1]) * s) >= reach - 1e-6
+            if not apart:
+                return True
+    return False
 
 
 @njit(cache=True)

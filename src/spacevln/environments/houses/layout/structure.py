@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacevln.environments.houses.plan import House, Opening, Rect, Room, Stairs
+from spacevln.environments.houses.plan import Floor, House, Opening, Rect, Room, Stairs
 
 RAIL_M = 0.05
 """Thickness of a railing, outside the footprint of the steps."""
@@ -88,7 +89,11 @@ def grown(rect: Rect, margin_m: float) -> Rect:
 
 def hole(house: House, opening: Opening) -> Rect:
     """Footprint of an opening through the whole thickness of its wall."""
-    along, across = opening.width_m / 2, house.wall_thickness_m / 2
+    return _hole(opening, house.wall_thickness_m)
+
+
+def _hole(opening: Opening, thickness_m: float) -> Rect:
+    along, across = opening.width_m / 2, thickness_m / 2
     if opening.along == "x":
         return Rect(opening.x - along, opening.y - across, opening.x + along, opening.y + across)
     return Rect(opening.x - across, opening.y - along, opening.x + across, opening.y + along)
@@ -96,26 +101,34 @@ def hole(house: House, opening: Opening) -> Rect:
 
 def walls(house: House) -> tuple[tuple[WallBox, ...], ...]:
     """Solid boxes of all walls per storey, holes cut out: beside, above and below every opening."""
-    return tuple(tuple(walls_of(house, floor.index)) for floor in house.floors)
+    return tuple(walls_of(house, floor.index) for floor in house.floors)
 
 
-def walls_of(house: House, floor: int) -> Iterator[WallBox]:
+def walls_of(house: House, floor: int) -> tuple[WallBox, ...]:
     """The walls of one storey, as in :func:`walls`."""
-    rooms = [room for room in house.rooms if room.floor == floor]
-    openings = [opening for opening in house.openings if opening.floor == floor]
-    z0, ceiling = house.floors[floor].z_m, house.floors[floor].ceiling_m
-    raster = _Raster(rooms, [hole(house, opening) for opening in openings], house.wall_thickness_m)
+    rooms = tuple(room for room in house.rooms if room.floor == floor)
+    openings = tuple(opening for opening in house.openings if opening.floor == floor)
+    return _walls(house.floors[floor], rooms, openings, house.wall_thickness_m)
+
+
+@lru_cache(maxsize=8)  # furnishing and drawing a house want the same
+def _walls(storey: Floor, rooms: tuple[Room, ...], openings: tuple[Opening, ...], thickness_m: float) -> tuple[WallBox, ...]:
+    z0, ceiling = storey.z_m, storey.ceiling_m
+    raster = _Raster(rooms, [_hole(opening, thickness_m) for opening in openings], thickness_m)
     labels, low, holes = raster.labels, raster.low, raster.holes
-    for rect, label in raster.boxes((labels != raster.EMPTY) & (holes < 0) & ~low, labels):
-        yield WallBox(floor, rect, z0, z0 + ceiling, raster.room(label), "wall")
-    for rect, label in raster.boxes((labels != raster.EMPTY) & (holes < 0) & low, labels):
-        yield WallBox(floor, rect, z0, z0 + PARAPET_M, raster.room(label), "parapet")
+    found = list[WallBox]()
+
+    def fill(mask: NDArray[np.bool_], *parts: tuple[float, float, WallPart], opening: int | None = None) -> None:
+        for rect, label in raster.boxes((labels != raster.EMPTY) & mask, labels):
+            for low_m, high_m, part in parts:
+                if high_m > low_m:
+                    found.append(WallBox(storey.index, rect, z0 + low_m, z0 + high_m, raster.room(label), part, opening))
+
+    fill((holes < 0) & ~low, (0.0, ceiling, "wall"))
+    fill((holes < 0) & low, (0.0, PARAPET_M, "parapet"))
     for k, opening in enumerate(openings):
-        for rect, label in raster.boxes((labels != raster.EMPTY) & (holes == k), labels):
-            if opening.sill_m > 0:
-                yield WallBox(floor, rect, z0, z0 + opening.sill_m, raster.room(label), "sill", opening.id)
-            if opening.head_m < ceiling:
-                yield WallBox(floor, rect, z0 + opening.head_m, z0 + ceiling, raster.room(label), "header", opening.id)
+        fill(holes == k, (0.0, opening.sill_m, "sill"), (opening.head_m, ceiling, "header"), opening=opening.id)
+    return tuple(found)
 
 
 class _Raster:
@@ -124,7 +137,7 @@ class _Raster:
     EMPTY = -2
     SKIN = -1
 
-    def __init__(self, rooms: list[Room], holes: list[Rect], thickness_m: float) -> None:
+    def __init__(self, rooms: Sequence[Room], holes: list[Rect], thickness_m: float) -> None:
         half = thickness_m / 2
         rects = [rect for room in rooms for rect in room.rects]
         xs = {round(x + d, 3) for r in rects for x in (r.x0, r.x1) for d in (-2 * half, -half, 0.0, half, 2 * half)}

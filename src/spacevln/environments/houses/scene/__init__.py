@@ -68,13 +68,14 @@ def compile_scene(house: House) -> CompiledScene:
             _add_material(spec, stuff, textures)
             materials[stuff.draw] = stuff.draw
         shape = piece.shape if piece.shape is not None else index
-        if shape not in meshes:
-            meshes[shape] = f"mesh{index}"
-            _add_mesh(spec, meshes[shape], piece.triangles)
+        mesh = meshes.get(shape)  # hashed once: a shape is long
+        if mesh is None:
+            mesh = meshes[shape] = f"mesh{index}"
+            _add_mesh(spec, mesh, piece.triangles)
         half = piece.yaw_rad / 2
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH,
-            meshname=meshes[shape],
+            meshname=mesh,
             material=stuff.draw,
             pos=piece.position_m,
             quat=(math.cos(half), 0.0, 0.0, math.sin(half)),
