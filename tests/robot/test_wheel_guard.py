@@ -196,11 +196,11 @@ def test_blind_depth_stops() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "reason"), [({"offset_s": 1.0}, "clock"), ({"offset_s": -0.3}, "clock"), ({"jump_m": 0.4}, "pose_jump")]
+    ("change", "reason"), [({"offset_s": 1.0}, "clock"), ({"offset_s": 0.3}, "clock"), ({"jump_m": 0.4}, "pose_jump")]
 )
 def test_jumps_latch_until_the_operator_resumes(change: dict[str, float], reason: str) -> None:
     bench = Bench(wall_m=9.0)
-    bench.run(1.5)
+    bench.run(2.5)
     for name, value in change.items():
         setattr(bench, name, value)
     assert bench.run(0.1)[-1] == (0.0, 0.0)
@@ -210,6 +210,48 @@ def test_jumps_latch_until_the_operator_resumes(change: dict[str, float], reason
     assert bench.run(0.5)[-1] == (0.0, 0.0)
     bench.guard.operate("resume")
     assert bench.run(1.5)[-1] == (0.3, 0.0)
+
+
+def test_late_messages_hold_the_wheels_for_as_long_as_they_are_late() -> None:
+    """A busy network is no clock that jumped."""
+    bench = Bench(wall_m=20.0)
+    bench.run(2.5)
+    bench.offset_s = -0.3
+    assert bench.run(0.3)[-1] == (0.0, 0.0)
+    assert bench.guard.status().state is GuardState.HELD
+    bench.offset_s = 0.0
+    assert bench.run(1.5)[-1] == (0.3, 0.0)
+    assert bench.guard.status().stops == 1
+
+
+def test_what_is_late_at_the_start_is_no_jump() -> None:
+    bench = Bench(wall_m=20.0)
+    bench.offset_s = -0.4
+    bench.run(0.5)
+    bench.offset_s = 0.0
+    assert bench.run(3.0)[-1] == (0.3, 0.0)
+    assert bench.guard.status().stops == 0
+
+
+def test_what_is_late_for_good_has_another_clock() -> None:
+    bench = Bench(wall_m=20.0)
+    bench.run(2.5)
+    bench.offset_s = -0.3
+    commands = bench.run(2.5)
+    assert set(commands[15:]) == {(0.0, 0.0)}
+    assert bench.guard.status().reason is StopReason.CLOCK
+    bench.offset_s = 0.0
+    assert bench.run(0.5)[-1] == (0.0, 0.0)
+    bench.guard.operate("resume")
+    assert bench.run(1.5)[-1] == (0.3, 0.0)
+
+
+def test_clocks_that_drift_apart_slowly_are_no_jump() -> None:
+    bench = Bench(wall_m=90.0)
+    for k in range(20):
+        bench.offset_s = 0.02 * k
+        bench.run(2.0)
+    assert bench.guard.status().stops == 0
 
 
 @pytest.mark.parametrize("wish", [(0.35, 0.0), (0.0, 0.8)])

@@ -113,7 +113,8 @@ class Watchdog(_Settings):
     Args:
         agent_s, pose_s, image_s: oldest age of the agent's wish, of the pose, of rgb and depth while moving.
         skew_s: largest difference between a message's stamp and this machine's clock.
-        clock_jump_s: largest change of that difference from one message to the next.
+        clock_jump_s: largest change of that difference; what comes later than that for a moment counts as that old, what does so
+            for two seconds, or comes earlier, as a clock that jumped.
         pose_jump_m, pose_jump_deg: beyond what the speed limits allow.
         depth_share: least share of depth pixels that measure.
         slack_m, slack_deg: commanded but not executed way at which the wheels count as blocked.

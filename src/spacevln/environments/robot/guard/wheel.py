@@ -12,6 +12,7 @@ from spacevln.core.geometry import Float, Pose, wrap_angle
 from spacevln.environments.robot.clock import Clock
 from spacevln.environments.robot.guard.geofence import inside
 from spacevln.environments.robot.guard.slack import SlackMonitor
+from spacevln.environments.robot.guard.stamps import Stamps
 from spacevln.environments.robot.guard.status import GuardState, GuardStatus, StopReason
 from spacevln.environments.robot.guard.surroundings import Surroundings
 from spacevln.environments.robot.messages import NANO, CameraInfo
@@ -43,7 +44,7 @@ class WheelGuard:
         self._start: Pose | None = None
         self._wish, self._wish_s = (0.0, 0.0), _NEVER
         self._heard_s = {StopReason.POSE: _NEVER, StopReason.RGB: _NEVER, StopReason.DEPTH: _NEVER}
-        self._skew_s: dict[StopReason, float] = {}
+        self._stamps: dict[StopReason, Stamps] = {}
         self._latched = StopReason.NONE
         self._command, self._tick_s = (0.0, 0.0), clock.now_s()
         self._state, self._reason, self._limited, self._stops = GuardState.HELD, StopReason.POSE, False, 0
@@ -89,7 +90,7 @@ class WheelGuard:
                 self._latch(StopReason.OPERATOR)
             elif word == "resume":
                 self._latched = StopReason.NONE
-                self._skew_s.clear()
+                self._stamps.clear()
                 self._wish = (0.0, 0.0)
                 self._slack.forget()
 
@@ -154,11 +155,13 @@ class WheelGuard:
         return StopReason.WHEELS if self._slack.blocked else StopReason.NONE
 
     def _heard(self, stream: StopReason, stamp_ns: int) -> float:
-        now_s = self._heard_s[stream] = self._clock.now_s()
-        skew_s = (self._clock.stamp_ns() - stamp_ns) / NANO
-        first_s = self._skew_s.setdefault(stream, skew_s)
-        if abs(skew_s) > self._watch.skew_s or abs(skew_s - first_s) > self._watch.clock_jump_s:
+        """When a message came; what is late is as old as that."""
+        now_s = self._clock.now_s()
+        stamps = self._stamps.setdefault(stream, Stamps(self._watch))
+        late_s = stamps.late_s(now_s, (self._clock.stamp_ns() - stamp_ns) / NANO)
+        if stamps.jumped:
             self._latch(StopReason.CLOCK)
+        self._heard_s[stream] = max(self._heard_s[stream], now_s - late_s)
         return now_s
 
     def _jumped(self, last: tuple[int, Pose], stamp_ns: int, pose: Pose) -> bool:
