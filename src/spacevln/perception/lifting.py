@@ -35,6 +35,7 @@ HOLLOW_SHARE = 0.3  # of the middle of the box that the mask of a frame may cove
 
 SPECK = np.ones((3, 3), np.uint8)  # holes that it covers do not count as an edge of the mask
 cue_kind = lru_cache(maxsize=4096)(read_cue_kind)
+_SHARES = np.linspace(0.0, 1.0, SURFACE_POINTS)
 _DIRECTIONS = np.array([[math.cos(angle), math.sin(angle)] for angle in np.arange(8) * math.pi / 8])
 
 
@@ -61,7 +62,7 @@ def _lift_solid(observation: Observation, detection: Detection) -> Sighting | No
         return None
     u, v, depth, pixels = sampled
     spread = np.abs(depth - _median(depth))
-    kept = spread <= 3 * _median(spread) + 0.15
+    (kept,) = np.nonzero(spread <= 3 * _median(spread) + 0.15)
     points = _to_world(observation, u[kept], v[kept], depth[kept])
     middle = len(points) // 2
     sighting = _sighting(observation, detection, np.partition(points, middle, axis=0)[middle], points, pixels)
@@ -119,9 +120,9 @@ def _lift_opening(observation: Observation, detection: Detection) -> Sighting | 
     inner = profile[side:-side]
     beyond = float(np.median(np.where(np.isfinite(inner), inner, np.inf)))
     is_passage = len(ends) == 2 and beyond > depths.max() + PASSAGE_DEPTH_M
-    pixels = detection.mask.sum() if detection.mask is not None else np.isfinite(profile).sum()
-    threshold = jambs[:1] + np.linspace(0.0, 1.0, SURFACE_POINTS)[:, None] * (jambs[-1:] - jambs[:1])
-    return _sighting(observation, detection, jambs.mean(axis=0), threshold, int(pixels), is_passage)
+    pixels = int(np.count_nonzero(detection.mask if detection.mask is not None else np.isfinite(profile)))
+    threshold = jambs[:1] + _SHARES[:, None] * (jambs[-1:] - jambs[:1])
+    return _sighting(observation, detection, jambs.mean(axis=0), threshold, pixels, is_passage)
 
 
 def _sighting(
@@ -154,7 +155,7 @@ def _sighting(
 def _nearest_by_direction(xy: Float, eye: Float, ranges: Float) -> Float:
     """For each of a few directions from the eye, a near (not the very nearest: noise) surface point; left to right."""
     beyond = xy - eye
-    ahead = xy.mean(axis=0) - eye
+    ahead = xy.sum(axis=0) / len(xy) - eye
     across, along = beyond @ (-ahead[1], ahead[0]), beyond @ ahead
     order = np.argsort(-across / np.maximum(along, 1e-6), kind="stable")
     per_part = len(order) // SURFACE_POINTS
@@ -238,14 +239,15 @@ def _is_hollow(mask: NDArray[np.bool_]) -> bool:
     """Whether a mask leaves out the middle of its box, as the mask of a door's frame does."""
     height, width = mask.shape
     middle = mask[height // 3 : height - height // 3, width // 4 : width - width // 4]
-    return middle.size > 0 and float(middle.mean()) < HOLLOW_SHARE
+    return middle.size > 0 and int(np.count_nonzero(middle)) < HOLLOW_SHARE * middle.size
 
 
 def _jamb(columns: Float, offset: int) -> tuple[float, float]:
     """Depth of the nearest surface at one side of the profile and its column; inf when nothing was measured there."""
-    if not np.isfinite(columns).any():
+    measured = columns[np.isfinite(columns)]
+    if not len(measured):
         return math.inf, float(offset)
-    nearest = float(np.nanmin(columns))
+    nearest = float(measured.min())
     near = np.flatnonzero(columns <= nearest + 0.1)
     return nearest, offset + float(near.mean())
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option("--seed", type=click.IntRange(0, 999_999), default=9, show_default=True, help="Which house.")
+@click.option("--seed", type=click.IntRange(0, 999_999), default=3, show_default=True, help="Which house.")
 @click.option("--transport", type=click.Choice(["dds", "zenoh"]), default="dds", show_default=True)
 @click.option("--domain", type=click.IntRange(0, 232), default=42, show_default=True, help="ROS_DOMAIN_ID.")
 @agent_options

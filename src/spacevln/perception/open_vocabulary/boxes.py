@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from spacevln.core import UsageError
 
+Box = tuple[int, int, int, int]
+
 
 @dataclass(frozen=True, slots=True)
 class BoxRules:
@@ -63,7 +65,7 @@ class GroundedBox:
     """
 
     query: int
-    box_px: tuple[int, int, int, int]
+    box_px: Box
     confidence: float
 
 
@@ -71,29 +73,26 @@ def select(found: ScoredBoxes, width_px: int, height_px: int, rules: BoxRules) -
     """The boxes that count, most confident first; every box carries its best phrase."""
     if not len(found.boxes_px) or not found.scores.shape[1]:
         return ()
-    best, query = found.scores.max(axis=1), found.scores.argmax(axis=1)
-    sound = (best > rules.box_threshold) & np.isfinite(found.boxes_px).all(axis=1)
-    boxes = np.rint(np.where(np.isfinite(found.boxes_px), found.boxes_px, 0)).clip(-1e6, 1e6).astype(np.int64)
+    sound = (found.scores.max(axis=1) > rules.box_threshold) & np.isfinite(found.boxes_px).all(axis=1)
+    scores, boxes = found.scores[sound], np.rint(found.boxes_px[sound]).clip(-1e6, 1e6).astype(np.int64)
     boxes[:, 0::2] = boxes[:, 0::2].clip(0, width_px)
     boxes[:, 1::2] = boxes[:, 1::2].clip(0, height_px)
     area = np.maximum(boxes[:, 2] - boxes[:, 0], 0) * np.maximum(boxes[:, 3] - boxes[:, 1], 0)
-    (rows,) = np.nonzero(sound & (area > 0) & (area < rules.whole_image_share * width_px * height_px))
-    order = sorted(rows.tolist(), key=lambda row: (-float(best[row]), boxes[row].tolist(), int(query[row])))
-    kept: list[int] = []
-    for row in order:
-        if all(_iou(boxes[row], boxes[other]) < rules.duplicate_iou for other in kept):
-            kept.append(row)
-    return tuple(_grounded(boxes[row], int(query[row]), float(best[row])) for row in kept)
+    counts = (area > 0) & (area < rules.whole_image_share * width_px * height_px)
+    columns = zip(
+        scores.max(axis=1)[counts].tolist(), boxes[counts].tolist(), scores.argmax(axis=1)[counts].tolist(), strict=True
+    )
+    kept: list[GroundedBox] = []
+    for confidence, (x0, y0, x1, y1), query in sorted(columns, key=lambda row: (-row[0], *row[1:])):
+        box = (x0, y0, x1, y1)
+        if all(_iou(box, other.box_px) < rules.duplicate_iou for other in kept):
+            kept.append(GroundedBox(query, box, min(confidence, 1.0)))
+    return tuple(kept)
 
 
-def _grounded(box: NDArray[np.int64], query: int, confidence: float) -> GroundedBox:
-    x0, y0, x1, y1 = box.tolist()
-    return GroundedBox(query, (x0, y0, x1, y1), min(confidence, 1.0))
-
-
-def _iou(a: NDArray[np.int64], b: NDArray[np.int64]) -> float:
+def _iou(a: Box, b: Box) -> float:
     width, height = min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
     if width <= 0 or height <= 0:
         return 0.0
     both = width * height
-    return float(both / ((a[2] - a[0]) * (a[3] - a[1]) + (b[2] - b[0]) * (b[3] - b[1]) - both))
+    return both / ((a[2] - a[0]) * (a[3] - a[1]) + (b[2] - b[0]) * (b[3] - b[1]) - both)

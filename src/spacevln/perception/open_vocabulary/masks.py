@@ -59,7 +59,7 @@ def best_masks(
     """
     masks = []
     for of_box, scores, (x0, y0, x1, y1) in zip(logits, quality, boxes_px, strict=True):
-        grid = of_box[int(np.argmax(scores))].astype(np.float32)
+        grid = of_box[int(np.argmax(scores))].astype(np.float32, copy=False)
         step_x, step_y = framing.scale_x * grid.shape[1] / framing.size_px, framing.scale_y * grid.shape[0] / framing.size_px
         to_grid = np.array([[step_x, 0.0, (x0 + 0.5) * step_x - 0.5], [0.0, step_y, (y0 + 0.5) * step_y - 0.5]])
         inside = cv2.warpAffine(
