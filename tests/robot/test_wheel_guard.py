@@ -200,7 +200,7 @@ def test_blind_depth_stops() -> None:
 )
 def test_jumps_latch_until_the_operator_resumes(change: dict[str, float], reason: str) -> None:
     bench = Bench(wall_m=9.0)
-    bench.run(1.5)
+    bench.run(2.5)
     for name, value in change.items():
         setattr(bench, name, value)
     assert bench.run(0.1)[-1] == (0.0, 0.0)
@@ -215,7 +215,7 @@ def test_jumps_latch_until_the_operator_resumes(change: dict[str, float], reason
 def test_late_messages_hold_the_wheels_for_as_long_as_they_are_late() -> None:
     """A busy network is no clock that jumped."""
     bench = Bench(wall_m=20.0)
-    bench.run(1.5)
+    bench.run(2.5)
     bench.offset_s = -0.3
     assert bench.run(0.3)[-1] == (0.0, 0.0)
     assert bench.guard.status().state is GuardState.HELD
@@ -235,7 +235,7 @@ def test_what_is_late_at_the_start_is_no_jump() -> None:
 
 def test_what_is_late_for_good_has_another_clock() -> None:
     bench = Bench(wall_m=20.0)
-    bench.run(1.5)
+    bench.run(2.5)
     bench.offset_s = -0.3
     commands = bench.run(2.5)
     assert set(commands[15:]) == {(0.0, 0.0)}

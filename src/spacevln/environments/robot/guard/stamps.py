@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections import deque
+from statistics import median
 
 from spacevln.environments.robot.profile import Watchdog
 
-LEARNT_S = 1.0
-"""How long a stream is watched before a message can be early: what starts is late."""
+LEARNT_S = 2.0
+"""How long a stream is watched before its usual lateness is known: what starts is late."""
 FOR_GOOD_S = 2.0
 """A busy network or machine is late for less."""
 _REMEMBERED = 50
-"""In-time messages of which the least late is the measure; clocks may drift apart slowly."""
 
 
 class Stamps:
@@ -32,7 +32,7 @@ class Stamps:
         """How much later than usual a message is that comes ``skew_s`` after its stamp [s]; 0 = in time."""
         self._first_s = now_s if self._first_s is None else self._first_s
         learnt = now_s - self._first_s >= LEARNT_S
-        usual_s = min(self._usual, default=0.0)
+        usual_s = (median(self._usual) if learnt else min(self._usual)) if self._usual else 0.0
         if skew_s < -self._skew_s or (learnt and skew_s < usual_s - self._jump_s):
             self.jumped = True  # no message comes before it was sent
         if skew_s <= min(usual_s + self._jump_s if self._usual else self._skew_s, self._skew_s):
