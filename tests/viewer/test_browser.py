@@ -103,6 +103,7 @@ def test_keys_scrub_and_play(browser: Any, run: Path) -> None:
         page.keyboard.press("Home")
         page.keyboard.press("Space")
         sync_api.expect(where).to_have_text(re.compile("^step 6"), timeout=30_000)
+        assert page.locator("#play").get_attribute("aria-label") == "Play", "at the last step it has stopped by itself"
         page.locator("#scrub").fill("2")
         assert where.inner_text().startswith("step 3 of 6")
         assert page.url.endswith("#step=3")

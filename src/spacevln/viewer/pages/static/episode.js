@@ -40,7 +40,7 @@
     timer = null;
     if (on) {
       if (at >= last) go(0);
-      timer = setInterval(() => (at >= last ? toggle(false) : go(at + 1)), 250);
+      timer = setInterval(() => { go(at + 1); if (at >= last) toggle(false); }, 250);
     }
     play.querySelector("path").setAttribute("d", on ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
     play.setAttribute("aria-label", on ? "Pause" : "Play");
