@@ -219,4 +219,9 @@ def test_two_records_side_by_side(browser: Any, tmp_path: Path) -> None:
             assert page.locator(".act-of.differs").count() == 0
             page.keyboard.press("ArrowRight")
             assert page.locator("#side-b .now").inner_text() == "step 2 of 6, stage 1"
+            page.keyboard.press("End")
+            first = page.evaluate("document.getElementById('play').click(), document.getElementById('where').textContent")
+            assert first == "step 1 of 6", "played at the end, it begins anew"
+            sync_api.expect(page.locator("#play")).to_have_attribute("aria-label", "Play", timeout=30_000)
+            assert page.locator("#where").inner_text() == "step 6 of 6", "it stops with the last step"
             assert page.evaluate("document.documentElement.scrollWidth") <= width

@@ -73,20 +73,20 @@ def select(found: ScoredBoxes, width_px: int, height_px: int, rules: BoxRules) -
     """The boxes that count, most confident first; every box carries its best phrase."""
     if not len(found.boxes_px) or not found.scores.shape[1]:
         return ()
-    sound = (found.scores.max(axis=1) > rules.box_threshold) & np.isfinite(found.boxes_px).all(axis=1)
-    scores, boxes = found.scores[sound], np.rint(found.boxes_px[sound]).clip(-1e6, 1e6).astype(np.int64)
+    best = found.scores.max(axis=1)
+    sound = (best > rules.box_threshold) & np.isfinite(found.boxes_px).all(axis=1)
+    best, query = best[sound], found.scores[sound].argmax(axis=1)
+    boxes = np.rint(found.boxes_px[sound]).clip(-1e6, 1e6).astype(np.int64)
     boxes[:, 0::2] = boxes[:, 0::2].clip(0, width_px)
     boxes[:, 1::2] = boxes[:, 1::2].clip(0, height_px)
     area = np.maximum(boxes[:, 2] - boxes[:, 0], 0) * np.maximum(boxes[:, 3] - boxes[:, 1], 0)
     counts = (area > 0) & (area < rules.whole_image_share * width_px * height_px)
-    columns = zip(
-        scores.max(axis=1)[counts].tolist(), boxes[counts].tolist(), scores.argmax(axis=1)[counts].tolist(), strict=True
-    )
+    columns = zip(best[counts].tolist(), boxes[counts].tolist(), query[counts].tolist(), strict=True)
     kept: list[GroundedBox] = []
-    for confidence, (x0, y0, x1, y1), query in sorted(columns, key=lambda row: (-row[0], *row[1:])):
+    for confidence, (x0, y0, x1, y1), phrase in sorted(columns, key=lambda row: (-row[0], *row[1:])):
         box = (x0, y0, x1, y1)
         if all(_iou(box, other.box_px) < rules.duplicate_iou for other in kept):
-            kept.append(GroundedBox(query, box, min(confidence, 1.0)))
+            kept.append(GroundedBox(phrase, box, min(confidence, 1.0)))
     return tuple(kept)
 
 

@@ -1,8 +1,8 @@
 (() => {
   const { sides, differing } = JSON.parse(document.getElementById("data").textContent);
   const by = (id) => document.getElementById(id);
-  const scrub = by("scrub"), play = by("play"), last = Math.max(...sides.map((story) => story.steps.length)) - 1;
-  let at = 0, timer = null;
+  const scrub = by("scrub"), last = Math.max(...sides.map((story) => story.steps.length)) - 1;
+  let at = 0;
   scrub.max = Math.max(0, last);
   const columns = ["a", "b"].map((name, k) => {
     const root = by(`side-${name}`);
@@ -40,19 +40,9 @@
     go(each[story === sides[0] ? 0 : 1], each);
   }
 
-  function toggle(on = timer === null) {
-    clearInterval(timer);
-    timer = null;
-    if (on) {
-      if (at >= last) go(0);
-      timer = setInterval(() => { go(at + 1); if (at >= last) toggle(false); }, 250);
-    }
-    play.querySelector("path").setAttribute("d", on ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
-    play.setAttribute("aria-label", on ? "Pause" : "Play");
-  }
+  const toggle = player(by("play"), last, () => at, go);
 
   scrub.addEventListener("input", () => go(Number(scrub.value)));
-  play.addEventListener("click", () => toggle());
   by("to-step-before").addEventListener("click", () => go(at - 1));
   by("to-step-after").addEventListener("click", () => go(at + 1));
   by("to-stage-before").addEventListener("click", () => toStage(-1));

@@ -1,8 +1,8 @@
 (() => {
   const story = JSON.parse(document.getElementById("data").textContent);
   const by = (id) => document.getElementById(id);
-  const scrub = by("scrub"), where = by("where"), play = by("play"), last = story.steps.length - 1;
-  let at = last >= 0 ? 0 : -1, timer = null, shownStage = null;
+  const scrub = by("scrub"), where = by("where"), last = story.steps.length - 1;
+  let at = last >= 0 ? 0 : -1, shownStage = null;
   scrub.max = Math.max(0, last);
   const floors = new FloorView(by("map"), story, go);
 
@@ -35,16 +35,7 @@
     else go(starts[Math.min(starts.length - 1, Math.max(0, now + change))] ?? 0);
   }
 
-  function toggle(on = timer === null) {
-    clearInterval(timer);
-    timer = null;
-    if (on) {
-      if (at >= last) go(0);
-      timer = setInterval(() => { go(at + 1); if (at >= last) toggle(false); }, 250);
-    }
-    play.querySelector("path").setAttribute("d", on ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
-    play.setAttribute("aria-label", on ? "Pause" : "Play");
-  }
+  const toggle = player(by("play"), last, () => at, go);
 
   function fromAddress() {
     const asked = new URLSearchParams(location.hash.slice(1));
@@ -69,7 +60,6 @@
       make("td", { class: "num" }, String(steps))));
   });
   scrub.addEventListener("input", () => go(Number(scrub.value)));
-  play.addEventListener("click", () => toggle());
   by("to-step-before").addEventListener("click", () => go(at - 1));
   by("to-step-after").addEventListener("click", () => go(at + 1));
   by("to-stage-before").addEventListener("click", () => toStage(-1));

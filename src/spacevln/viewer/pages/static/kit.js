@@ -34,6 +34,23 @@ function metres(value) { return value === null ? "∞" : `${value.toFixed(2)} m`
 
 function folded(title, ...content) { return make("details", {}, make("summary", {}, title), ...content); }
 
+// Plays from step to step and stops with the last one; played again there, it begins anew. Gives what toggles it.
+function player(button, last, at, go) {
+  let timer = null;
+  function toggle(on = timer === null) {
+    clearInterval(timer);
+    timer = null;
+    if (on) {
+      if (at() >= last) go(0);
+      timer = setInterval(() => { go(at() + 1); if (at() >= last) toggle(false); }, 250);
+    }
+    button.querySelector("path").setAttribute("d", on ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
+    button.setAttribute("aria-label", on ? "Pause" : "Play");
+  }
+  button.addEventListener("click", () => toggle());
+  return toggle;
+}
+
 /* The floor of a step, its map, and what is drawn on it. */
 class FloorView {
   constructor(canvas, story, onPick) {
