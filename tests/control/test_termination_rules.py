@@ -19,10 +19,8 @@ from spacevln.control import (
 from spacevln.control.arrival import ArrivalKind
 from spacevln.core import (
     Anchor,
-    Camera,
     ContractError,
     CueKind,
-    EnvironmentSpec,
     InstructionTask,
     LandmarkCandidate,
     ObjectGoalTask,
@@ -119,14 +117,14 @@ def test_step_limits_of_the_paper() -> None:
 
 
 def test_budget_holds_the_last_step_for_stop() -> None:
-    spec = EnvironmentSpec(Camera(80, 60, 79, 0.88))
     budget = StepBudget(13)
-    assert budget.affords_lookaround(spec)
+    assert budget.affords(12)
+    assert not budget.affords(13)
     for _ in range(12):
         assert budget.can_move
         budget.spend()
     assert not budget.can_move
-    assert not budget.affords_lookaround(spec)
+    assert not budget.affords(0)  # a step that could move is the least
     budget.spend()
     with pytest.raises(ContractError, match="13 steps"):
         budget.spend()

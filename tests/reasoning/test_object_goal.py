@@ -12,9 +12,10 @@ from plain_space import PlainSpace, context, seen
 from spacevln.core import Feedback, Frontier, Glimpse, ObjectGoalTask, PlannerReply, Pose, Sighting, StageEnd, StageRecord
 from spacevln.language import FREE_FLOOR_M2, LOWER_STOREY, ROOM_SHARES, chance_in_room
 from spacevln.language.object_rooms import OBJECT_ROOMS, OPENS_ON
+from spacevln.perception.matching import Match, match
 from spacevln.reasoning.rules import RulePlanner
 from spacevln.reasoning.rules.beliefs import Beliefs
-from spacevln.reasoning.rules.instances import WITHIN_M, Match, instances, match, obstacle_between, standing_place
+from spacevln.reasoning.rules.instances import WITHIN_M, instances, obstacle_between, standing_place
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 from plain_space import PlainSpace, context, seen
 
 from spacevln.core import ArrangedWaypoint, LandmarkCue, Mark, ObjectGoalTask, PlannerContext, Pose, SpatialWaypoint
-from spacevln.reasoning.rules.instances import Match, instances
+from spacevln.perception.matching import Match
+from spacevln.reasoning.rules.instances import instances
 from spacevln.reasoning.rules.state import EpisodeState
 
 SPACE = PlainSpace([(-2, -2, 2, 2), (2, -0.5, 2.2, 0.5), (2.2, -2, 6, 2)])

@@ -180,13 +180,13 @@ def test_a_goal_that_comes_into_view_ends_the_stage_once() -> None:
     plain = replace(to_the_door, subtask=replace(to_the_door.subtask, chain=(*to_the_door.subtask.chain, final)))
     executor = RuleExecutor()
     assert not isinstance(executor.act(replace(plain, goal="lamp")).action, Stop)
-    assert isinstance(executor.act(replace(plain, goal="lamp", glimpse=(lamp,))).action, Stop)
-    assert not isinstance(executor.act(replace(plain, goal="lamp", glimpse=(lamp,))).action, Stop)  # the planner knows of it
-    assert isinstance(executor.act(replace(plain, goal="lamp", glimpse=(lamp, other))).action, Stop)
-    assert not isinstance(executor.act(replace(plain, goal="sofa", glimpse=(lamp,))).action, Stop)
-    assert not isinstance(executor.act(replace(plain, glimpse=(lamp,))).action, Stop)  # an instruction names no goal object
+    assert isinstance(executor.act(replace(plain, goal="lamp", glimpsed=(lamp,))).action, Stop)
+    assert not isinstance(executor.act(replace(plain, goal="lamp", glimpsed=(lamp,))).action, Stop)  # the planner knows of it
+    assert isinstance(executor.act(replace(plain, goal="lamp", glimpsed=(lamp, other))).action, Stop)
+    assert not isinstance(executor.act(replace(plain, goal="sofa", glimpsed=(lamp,))).action, Stop)
+    assert not isinstance(executor.act(replace(plain, glimpsed=(lamp,))).action, Stop)  # an instruction names no goal object
     executor.reset()
-    assert isinstance(executor.act(replace(plain, goal="lamp", glimpse=(lamp,))).action, Stop)
+    assert isinstance(executor.act(replace(plain, goal="lamp", glimpsed=(lamp,))).action, Stop)
 
 
 class TestRulePlanner(PlannerConformance):

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from spacevln.agent.body import Body, Phase
 from spacevln.agent.world import World
-from spacevln.core import Observation, Sighting, TurnLeft, View, egocentric_label, wrap_angle
+from spacevln.core import Action, Observation, Sighting, TurnLeft, View, egocentric_label, wrap_angle
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Panorama:
-    """One look-around: posed images counter-clockwise from the front, and the views made of them."""
+    """One look-around: the posed images, and the views made of them, both counter-clockwise from the front."""
 
     observations: tuple[Observation, ...]
     views: tuple[View, ...]
@@ -27,16 +28,22 @@ class Panorama:
         return next(view.heading_rad for view in self.views if view.label == label)
 
 
-def look_around(body: Body, world: World, terms: Sequence[str]) -> Panorama:
-    """Turn once around, to the left and back to the heading, and detect ``terms`` in all images as one batch."""
-    turn = TurnLeft(body.spec.turn_deg)
-    observations: list[Observation] = []
-    for _ in range(body.spec.lookaround_count):
+def look_around(body: Body, world: World, turns: Sequence[Action], terms: Sequence[str]) -> Panorama:
+    """Turn, and detect ``terms`` in all images as one batch.
+
+    Every direction has a view; one to which the body did not turn has neither image nor sightings, and what the map says is in
+    its way.
+    """
+    count, facing = body.spec.lookaround_count, 0
+    taken = {facing: body.view}
+    for turn in turns:
         body.step(turn, Phase.LOOKAROUND)
-        observations.append(body.view)
-    ordered = (observations[-1], *observations[:-1])  # the last turn ends at the front
-    sightings = world.perceive(ordered, terms)
-    views = tuple(_view(observation, seen, body, world) for observation, seen in zip(ordered, sightings, strict=True))
+        facing = (facing + (1 if isinstance(turn, TurnLeft) else -1)) % count
+        taken[facing] = body.view
+    ahead = {(place - facing) % count: observation for place, observation in taken.items()}
+    ordered = tuple(ahead[k] for k in sorted(ahead))
+    seen = dict(zip(sorted(ahead), world.perceive(ordered, terms), strict=True))
+    views = tuple(_view(ahead[k], seen[k], body, world) if k in ahead else _unseen(k, body, world) for k in range(count))
     return Panorama(ordered, views)
 
 
@@ -48,4 +55,15 @@ def _view(observation: Observation, seen: tuple[Sighting, ...], body: Body, worl
         rgb=observation.rgb,
         obstacle_m=world.clearance_m(observation),
         sightings=seen,
+    )
+
+
+def _unseen(k: int, body: Body, world: World) -> View:
+    """The k-th direction to the left, not turned to."""
+    heading_rad = wrap_angle(k * math.radians(body.spec.turn_deg))
+    return View(
+        label=egocentric_label(heading_rad, round(body.spec.turn_deg)),
+        heading_rad=heading_rad,
+        rgb=None,
+        obstacle_m=world.clearance_m(body.view, heading_rad),
     )

@@ -12,7 +12,8 @@ from spacevln.agent.finish import FinishJudge
 from spacevln.agent.look_around import look_around
 from spacevln.agent.planning import ask_planner
 from spacevln.agent.settings import AgentSettings
-from spacevln.agent.stage import Stage, Watch
+from spacevln.agent.stage import Stage
+from spacevln.agent.watch import Watch
 from spacevln.agent.world import World
 from spacevln.control import StepBudget, default_step_limit
 from spacevln.core import (
@@ -29,7 +30,7 @@ from spacevln.core import (
 from spacevln.core.contexts import PlannerContext
 from spacevln.core.events import Event, LookedAround, StageEnded, WaypointAdded
 from spacevln.core.interfaces import Detector, Environment, EventSink, Executor, Planner
-from spacevln.core.stages import Feedback, Subtask
+from spacevln.core.stages import Subtask
 from spacevln.memory import BuildingMemory
 
 
@@ -95,10 +96,10 @@ class NavigationAgent:
         settings, judge = self._settings, FinishJudge(world, self._settings)
         self._planner.reset()
         self._executor.reset()
-        feedback: Feedback | None = None  # 1: F_{-1}
-        while body.budget.affords_lookaround(body.spec):  # 2
+        watch, feedback = self._watch(task), None  # 1: F_{-1}
+        while body.budget.affords(len(turns := watch.turns(body, world.space, feedback))):  # 2
             terms = (*self._planner.lookaround_queries(task), *world.stage_terms)
-            panorama = look_around(body, world, tuple(dict.fromkeys(terms)))  # 3: O^12_k
+            panorama = look_around(body, world, turns, tuple(dict.fromkeys(terms)))  # 3: O^12_k
             memory = world.serialise(body.pose)  # 3: Psi_k
             self._emit(LookedAround(body.stage, panorama.views, memory))
             verified = settings.components.stagewise and feedback is not None
@@ -123,16 +124,18 @@ class NavigationAgent:
                 return Ending(EpisodeStatus.STOPPED, StopReason.GATE)
             if judge.stable(subtask, feedback, body.pose):  # 7: the goal is verified and nobody says so
                 return Ending(EpisodeStatus.STOPPED, StopReason.STABLE_FINAL_ARRIVAL)
-            stage = Stage(subtask, body, world, self._executor, settings, self._emit, self._clock, self._watch(task))  # 8
+            stage = Stage(subtask, body, world, self._executor, settings, self._emit, self._clock, watch)  # 8
             feedback = stage.run(panorama)  # 9 to 15: F_k
             self._emit(StageEnded(body.stage, feedback, body.pose))
             body.stage += 1  # 16
         return judge.without_looking(feedback, body, self._emit)
 
     def _watch(self, task: Task) -> Watch:
-        if not (self._settings.glimpses and isinstance(task, ObjectGoalTask)):
+        settings, components = self._settings, self._settings.components
+        if not (settings.glimpses and isinstance(task, ObjectGoalTask)):
             return Watch()
-        return Watch(tuple(self._planner.lookaround_queries(task)), task.goal)
+        remembers = components.hsm and components.stagewise
+        return Watch(tuple(self._planner.lookaround_queries(task)), task.goal, settings.short_looks and remembers)
 
     def _emit(self, event: Event) -> None:
         for sink in self._sinks:

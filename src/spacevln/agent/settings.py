@@ -33,8 +33,11 @@ class AgentSettings:
         components: which parts are switched on.
         control: thresholds of the control rules.
         step_limit: environment steps of an episode, STOP included; None takes the task's own (260 or 280, paper).
-        glimpses: of object goals, at every executor decision the detector is asked for all that the planner's look-around asks
+        glimpses: of object goals, in every image of a stage the detector is asked for all that the planner's look-around asks
             for, and the planner is told: what a model sees in the executor's images, for planners that see but detections.
+        short_looks: of object goals, a look-around after the first turns only to where the map knows no floor yet, and to
+            nowhere while the goal is in view. It needs glimpses, and what the planner keeps: with Hierarchical Spatial Memory or
+            stagewise control off, look-arounds are whole.
         arrival_sightings: temporal verification, see :class:`~spacevln.memory.LocalLandmarkMemory`; 1 is the paper's rule.
     """
 
@@ -42,4 +45,5 @@ class AgentSettings:
     control: ControlSettings = field(default_factory=ControlSettings)
     step_limit: int | None = None
     glimpses: bool = False
+    short_looks: bool = False
     arrival_sightings: int = 1

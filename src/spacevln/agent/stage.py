@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from spacevln.agent.acting import ask_executor
 from spacevln.agent.body import Body, Phase
 from spacevln.agent.look_around import Panorama
 from spacevln.agent.settings import AgentSettings
+from spacevln.agent.watch import Watch
 from spacevln.agent.world import World
 from spacevln.control import AdmissibleActionControl, StageArrival, decompose, is_stalled, turns_toward
 from spacevln.core import (
@@ -22,7 +23,6 @@ from spacevln.core import (
     Feedback,
     Glimpse,
     Motion,
-    Observation,
     Pose,
     Sighting,
     StageEnd,
@@ -33,19 +33,6 @@ from spacevln.core import (
 from spacevln.mapping import Incline
 
 LEAST_RISE_M = 0.3  # to a place on a flight of stairs; less is the floor before it
-
-
-@dataclass(frozen=True, slots=True)
-class Watch:
-    """What the agent looks about for on the way.
-
-    Args:
-        terms: for the detector; none leaves its images to the stage's landmark.
-        goal: name of the goal object; ``""`` for an instruction.
-    """
-
-    terms: tuple[str, ...] = ()
-    goal: str = ""
 
 
 class Stage:
@@ -80,6 +67,7 @@ class Stage:
         self._arrival = StageArrival(subtask, floor, region, settings.control)
         self._seen: tuple[Sighting, ...] = ()  # of the stage's landmark in the current image
         self._watch, self._glimpses = watch, list[Glimpse]()
+        self._told = 0  # of the glimpses, to the executor
 
     def run(self, panorama: Panorama) -> Feedback:
         """Rotate to the chosen direction, then decide and act until the stage ends.
@@ -106,9 +94,12 @@ class Stage:
             self._note(self._body.step(turn, Phase.ALIGN, self._terms)[1])
 
     def _note(self, sightings: tuple[Sighting, ...]) -> None:
-        """Update_landmark (line 11) by what the current image shows."""
+        """Update_landmark (line 11) by what the current image shows; a glimpse of it is kept for the planner."""
         self._seen = sightings
         self._world.update_landmarks(sightings, self._body.pose)
+        if self._watch.terms:
+            (glimpsed,) = self._world.perceive([self._body.view], self._watch.terms)
+            self._glimpses.append(Glimpse(self._body.pose, glimpsed))
 
     def _budget_end(self) -> StageEnd | None:
         """Whether the episode's or the stage's budget is spent."""
@@ -171,15 +162,13 @@ class Stage:
             decisions_left=self._settings.control.stage_decisions - len(self._record.decisions),
             sightings=self._seen,
             goal=self._watch.goal,
-            glimpse=self._look(observation),
+            glimpsed=self._newly_glimpsed(),
         )
 
-    def _look(self, observation: Observation) -> tuple[Sighting, ...]:
-        """A glimpse of the current image, kept for the planner."""
-        if not self._watch.terms:
-            return ()
-        self._glimpses.append(Glimpse(observation.pose, self._world.perceive([observation], self._watch.terms)[0]))
-        return self._glimpses[-1].sightings
+    def _newly_glimpsed(self) -> tuple[Sighting, ...]:
+        """Since the last decision."""
+        new, self._told = self._glimpses[self._told :], len(self._glimpses)
+        return tuple(sighting for glimpse in new for sighting in glimpse.sightings)
 
     def _carry_out(self, reply: ExecutorReply) -> ExecutedDecision:
         """Primitive by primitive; arrival, stall and the end of the budget interrupt it."""

@@ -78,9 +78,9 @@ class World:
         """Omega_t, map and depth fused; what lies on the flight of stairs that is being taken is none."""
         return self.map.obstacle_distances(observation, incline)
 
-    def clearance_m(self, observation: Observation) -> float:
-        """Distance to the nearest obstacle in the direction of an image of a look-around [m]."""
-        return self.map.sector_distance_m(observation)
+    def clearance_m(self, observation: Observation, bearing_rad: float = 0.0) -> float:
+        """Distance to the nearest obstacle in the direction of an image, or in another one from where it was taken [m]."""
+        return self.map.sector_distance_m(observation, bearing_rad)
 
     def serialise(self, pose: Pose) -> EgocentricMemory | None:
         """Psi_k; None when Hierarchical Spatial Memory is switched off."""

@@ -119,6 +119,7 @@ def build_agent(
         control=_control(environment.spec),
         step_limit=configuration.step_budget,
         glimpses=configuration.glimpses and configuration.planner == "rules",
+        short_looks=configuration.short_looks,
         arrival_sightings=configuration.arrival_sightings,
     )
     planner = _planner(configuration, environment.spec, models or {})

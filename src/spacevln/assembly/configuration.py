@@ -224,8 +224,10 @@ class Configuration(_Settings):
         step_budget: environment steps per episode, STOP included; None takes the task's (260 instructions, 280 object goals).
         arrival_sightings: temporal verification: how many different pictures must show a landmark before it counts as reached;
             1, the paper's rule, believes the first.
-        glimpses: searching for an object, the rule planner, which sees nothing but detections, is told at every executor decision
-            what of its look-around's terms the image shows; False leaves it to its look-arounds. Models see images themselves.
+        glimpses: searching for an object, the rule planner, which sees nothing but detections, is told what of its look-around's
+            terms the images on the way show; False leaves it to its look-arounds. Models see images themselves.
+        short_looks: with glimpses, a look-around after the first turns only to where the map knows no floor yet, and to nowhere
+            while the goal is in view; False turns once around at every planning boundary, as the paper does.
     """
 
     driver: Literal["agent", "random", "forward", "frontier", "oracle", "reference"] = "agent"
@@ -240,6 +242,7 @@ class Configuration(_Settings):
     step_budget: PositiveInt | None = None
     arrival_sightings: PositiveInt = 1
     glimpses: bool = True
+    short_looks: bool = True
 
     @property
     def hash(self) -> str:

@@ -48,6 +48,7 @@ from spacevln.recording.schema import (
     StageEndedLine,
     StepTakenLine,
     SubtaskIssuedLine,
+    ViewLine,
 )
 
 L = TypeVar("L", LookedAroundLine, DecisionMadeLine, SubtaskIssuedLine, StageEndedLine)
@@ -83,7 +84,7 @@ class RecordedSituations:
         return PlannerContext(
             task=task,
             stage=stage,
-            views=tuple(View(v.label, v.heading_rad, self._picture(v.rgb), v.obstacle_m, v.sightings) for v in looked.views),
+            views=tuple(map(self._view, looked.views)),
             memory=self._memory(looked.memory),
             feedback=self._feedback(stage - 1) if verified else None,
             last_subtask=self._subtask(stage - 1) if verified else None,
@@ -152,6 +153,10 @@ class RecordedSituations:
             map_image=None if line.map_image is None else self._picture(line.map_image),
             frontiers=line.frontiers,
         )
+
+    def _view(self, line: ViewLine) -> View:
+        rgb = None if line.rgb is None else self._picture(line.rgb)  # None: not turned to
+        return View(line.label, line.heading_rad, rgb, line.obstacle_m, line.sightings)
 
     def _picture(self, name: str | None) -> NDArray[np.uint8]:
         """(H, W, 3) RGB."""

@@ -39,6 +39,12 @@ agent_options = option_group(
         show_default=True,
         help="Of object goals, tell the rule planner what the images on the way show, too; models see them anyway.",
     ),
+    click.option(
+        "--short-looks/--whole-looks",
+        default=True,
+        show_default=True,
+        help="With glimpses, look around only to where the map knows no floor yet, or once around each time, as the paper does.",
+    ),
     click.option("--steps", type=click.IntRange(min=1), default=None, help="Step budget, STOP included."),
     click.option("--chase", is_flag=True, help="Record a camera that follows the robot, too (embedded houses)."),
     click.option("--out", type=click.Path(path_type=Path, file_okay=False), default=None, help="Run directory."),
@@ -71,6 +77,7 @@ def configuration_from(options: dict[str, Any], driver: Driver = "agent") -> Con
         step_budget=options["steps"],
         arrival_sightings=options["arrival_sightings"],
         glimpses=options["glimpses"],
+        short_looks=options["short_looks"],
     )
 
 

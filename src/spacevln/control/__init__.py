@@ -4,6 +4,7 @@ from spacevln.control.admissible import AdmissibleActionControl, forward_choices
 from spacevln.control.arrival import ArrivalKind, StageArrival
 from spacevln.control.budgets import StepBudget, default_step_limit
 from spacevln.control.gate import EpisodeGate, FinishClaim, GateVerdict
+from spacevln.control.looking import turns_to_see, whole_turn
 from spacevln.control.primitives import decompose, turns_toward
 from spacevln.control.settings import ControlSettings
 from spacevln.control.stable import StableFinalArrival, inside_final_region
@@ -29,6 +30,8 @@ __all__ = [
     "forward_choices",
     "inside_final_region",
     "is_stalled",
+    "turns_to_see",
     "turns_toward",
     "validate_subtask",
+    "whole_turn",
 ]

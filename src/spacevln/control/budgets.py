@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from spacevln.core import ContractError, EnvironmentSpec, InstructionTask, ObjectGoalTask, Task, UsageError
+from spacevln.core import ContractError, InstructionTask, ObjectGoalTask, Task, UsageError
 
 INSTRUCTION_STEPS = 260
 OBJECT_GOAL_STEPS = 280
@@ -41,9 +41,9 @@ class StepBudget:
         """Whether a step remains beside the one held for STOP."""
         return self.left > 1
 
-    def affords_lookaround(self, spec: EnvironmentSpec) -> bool:
-        """Whether a full look-around and STOP still fit."""
-        return self.left > spec.lookaround_count
+    def affords(self, steps: int) -> bool:
+        """Whether so many steps and STOP still fit; a step that could move must remain in any case."""
+        return self.can_move and self.left > steps
 
     def spend(self) -> None:
         """Count one step.

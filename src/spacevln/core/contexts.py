@@ -23,14 +23,14 @@ class View:
     Args:
         label: ``"front"``, ``"left 30"`` ... as in :func:`geometry.egocentric_label`.
         heading_rad: alpha_i, egocentric, left positive.
-        rgb: (H, W, 3) uint8.
+        rgb: (H, W, 3) uint8; None where the agent did not turn to, as what lies there is known.
         obstacle_m: distance to the nearest obstacle in this direction [m].
         sightings: lifted detections.
     """
 
     label: str
     heading_rad: float
-    rgb: NDArray[np.uint8]
+    rgb: NDArray[np.uint8] | None
     obstacle_m: float
     sightings: tuple[Sighting, ...] = ()
 
@@ -146,7 +146,7 @@ class ExecutorContext:
         rejections: why earlier answers to this very query were refused.
         sightings: of the stage's landmark in this very image, for marking it.
         goal: name of the goal object, where the agent looks about for it on the way; else ``""``.
-        glimpse: then, of everything that the planner's look-around asks for, in this very image.
+        glimpsed: then, of everything that the planner's look-around asks for, in the images since the last decision.
     """
 
     observation: Observation
@@ -160,7 +160,7 @@ class ExecutorContext:
     rejections: tuple[str, ...] = ()
     sightings: tuple[Sighting, ...] = ()
     goal: str = ""
-    glimpse: tuple[Sighting, ...] = ()
+    glimpsed: tuple[Sighting, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -230,7 +230,7 @@ class Feedback:
         record: tau_k.
         pool: B^(k).
         end: why it ended.
-        glimpses: one for every executor decision, where the agent is set to look about on the way.
+        glimpses: of every image of the stage, in order, where the agent is set to look about on the way.
     """
 
     subtask: Subtask

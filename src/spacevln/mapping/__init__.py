@@ -8,5 +8,6 @@ from spacevln.mapping.floors import StairConnector
 from spacevln.mapping.geodesics import GeodesicField
 from spacevln.mapping.incline import Incline
 from spacevln.mapping.metric_map import MetricMap
+from spacevln.mapping.outlook import unknown_bearings
 
-__all__ = ["GeodesicField", "Incline", "MapCrop", "MetricMap", "StairConnector"]
+__all__ = ["GeodesicField", "Incline", "MapCrop", "MetricMap", "StairConnector", "unknown_bearings"]

@@ -3,6 +3,6 @@
 from spacevln.perception.attributes import Agreement
 from spacevln.perception.label_detector import LabelDetector
 from spacevln.perception.lifting import lift
-from spacevln.perception.matching import fit, names
+from spacevln.perception.matching import Match, fit, match, names
 
-__all__ = ["Agreement", "LabelDetector", "fit", "lift", "names"]
+__all__ = ["Agreement", "LabelDetector", "Match", "fit", "lift", "match", "names"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from enum import IntEnum
 from functools import lru_cache
 
 from spacevln.language import attributes_of, head_noun, norm
@@ -36,3 +37,29 @@ def best_fit(phrases: Iterable[str], category: str, attributes: tuple[str, ...] 
     """The best fit to any of several phrases."""
     fits = [verdict for phrase in phrases if (verdict := fit(phrase, category, attributes)) is not None]
     return max(fits, key=lambda verdict: verdict.value, default=None)
+
+
+class Match(IntEnum):
+    """How well a seen thing's name fits an object goal's."""
+
+    KIND = 1  # of the same genus: "wall cabinet" for "cabinet"
+    NAME = 2  # the very name or another name of the same
+
+
+def match(goal: str, name: str, attributes: tuple[str, ...]) -> Match | None:
+    """How well a thing of a name fits a goal; None when it does not.
+
+    An object goal names a category, so that a qualifier on one side alone makes another kind: a "round table" is a kind of
+    "table", and a "table" need not be round.
+    """
+    if fit(goal, name, attributes) is not Agreement.AGREED:
+        return None
+    wanted, found = _words(goal), _words(name)
+    if wanted == found:
+        return Match.NAME
+    qualified = found[-len(wanted) :] == wanted or wanted[-len(found) :] == found
+    return Match.NAME if head_noun(goal) == head_noun(name) and not qualified else Match.KIND
+
+
+def _words(name: str) -> list[str]:
+    return name.lower().replace("-", " ").split()

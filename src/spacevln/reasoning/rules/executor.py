@@ -21,9 +21,9 @@ from spacevln.core import (
     TurnRight,
     describe,
 )
+from spacevln.perception.matching import Match, match
 from spacevln.reasoning.rules.grid import comfortable_guide
 from spacevln.reasoning.rules.heading import ARRIVED_M
-from spacevln.reasoning.rules.instances import Match, match
 from spacevln.reasoning.rules.lattice import Gait, first_run, straight_guide
 
 Float = NDArray[np.float64]
@@ -81,7 +81,7 @@ class RuleExecutor:
         if not context.goal or context.subtask.targets_final_anchor:
             return False
         new = False
-        for sighting in context.glimpse:
+        for sighting in context.glimpsed:
             at = (sighting.position_m[0], sighting.position_m[1])
             if match(context.goal, sighting.category, sighting.attributes) is Match.NAME:
                 new = new or all(math.dist(at, told) > SAME_THING_M for told in self._told)

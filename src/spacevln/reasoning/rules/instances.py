@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from enum import IntEnum
 
 import numpy as np
 
 from spacevln.core import PlannerContext, StageEnd
-from spacevln.language import head_noun
-from spacevln.perception.attributes import Agreement
-from spacevln.perception.matching import fit
+from spacevln.perception.matching import Match, match
 from spacevln.reasoning.rules.sightings import XY, Thing
 from spacevln.reasoning.rules.state import BEFORE_M, EpisodeState
 from spacevln.reasoning.rules.world import World
@@ -26,32 +23,6 @@ AROUND_M = 1.6  # from there one sees where one can stand nearer; once
 ROUND = 1.5  # times the straight line, that an unknown way measures
 STOOD_M = 0.35  # around a place from which the goal was not confirmed
 KIND_STEPS = 70  # another kind of the goal's genus does when no more steps are left
-
-
-class Match(IntEnum):
-    """How well a seen thing's name fits the goal's."""
-
-    KIND = 1  # of the same genus: "wall cabinet" for "cabinet"
-    NAME = 2  # the very name or another name of the same
-
-
-def match(goal: str, name: str, attributes: tuple[str, ...]) -> Match | None:
-    """How well a thing of a name fits a goal; None when it does not.
-
-    An object goal names a category, so that a qualifier on one side alone makes another kind: a "round table" is a kind of
-    "table", and a "table" need not be round.
-    """
-    if fit(goal, name, attributes) is not Agreement.AGREED:
-        return None
-    wanted, found = _words(goal), _words(name)
-    if wanted == found:
-        return Match.NAME
-    qualified = found[-len(wanted) :] == wanted or wanted[-len(found) :] == found
-    return Match.NAME if head_noun(goal) == head_noun(name) and not qualified else Match.KIND
-
-
-def _words(name: str) -> list[str]:
-    return name.lower().replace("-", " ").split()
 
 
 def at_goal(context: PlannerContext, world: World, goal: str) -> bool:

@@ -9,11 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from spacevln.core import PlannerContext
+from spacevln.perception.matching import Match
 from spacevln.reasoning.rules.beliefs import Beliefs
 from spacevln.reasoning.rules.flights import STAIRS_SIGHT
 from spacevln.reasoning.rules.grid import NOWHERE, resampled
 from spacevln.reasoning.rules.heading import way_length_m
-from spacevln.reasoning.rules.instances import KIND_STEPS, WITHIN_M, Match, instances, obstacle_between, standing_place
+from spacevln.reasoning.rules.instances import KIND_STEPS, WITHIN_M, instances, obstacle_between, standing_place
 from spacevln.reasoning.rules.sightings import PRECISE_QUALITY, XY, Portal
 from spacevln.reasoning.rules.state import EpisodeState
 from spacevln.reasoning.rules.world import World

@@ -53,6 +53,8 @@ def view_picture(view: View, width_px: int, *, detections: bool) -> Picture:
     Returns:
         (H, W, 3) RGB, W at most ``width_px``.
     """
+    if view.rgb is None:
+        raise ContractError(f"The view {view.label!r} has no image, as the agent did not turn to it: leave it out of the prompt.")
     canvas, picture, scale = _canvas(view.rgb, width_px)
     if detections:
         shown = nearest_sightings(view)

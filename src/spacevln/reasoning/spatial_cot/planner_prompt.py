@@ -123,7 +123,7 @@ class PlannerPrompt:
 
     def _call(self, context: PlannerContext) -> tuple[Part, ...]:
         settings = self._settings
-        views = context.views[:: self._every]
+        views = tuple(view for view in context.views[:: self._every] if view.rgb is not None)
         shown = self._view_pictures(views)
         memory = context.memory
         if memory is not None and memory.map_image is not None:

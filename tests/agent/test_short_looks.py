@@ -1,0 +1,96 @@
+"""Look-arounds that turn no further than to what is not known (an extra; the paper turns once around)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from flat_runs import CHAIN, Run, ahead, run
+
+from spacevln.agent import AgentSettings, Components
+from spacevln.core import (
+    Action,
+    ExecutorContext,
+    InstructionTask,
+    LookedAround,
+    ObjectGoalTask,
+    StageEnded,
+    StepTaken,
+    Stop,
+    Task,
+)
+from spacevln.testing.scripted import ExecutorLine, subtask_of
+
+SHORT = AgentSettings(glimpses=True, short_looks=True, step_limit=60)
+PLANT = ObjectGoalTask("plant")  # there is none
+
+
+def one_move(context: ExecutorContext) -> Action:
+    """Ahead once, then back to the planner."""
+    return Stop() if context.progress.decisions else ahead(context)
+
+
+def drive(task: Task = PLANT, settings: AgentSettings = SHORT, executor: ExecutorLine = one_move) -> Run:
+    queries = (task.goal,) if isinstance(task, ObjectGoalTask) else ("plant",)
+    return run((subtask_of(CHAIN, 0),), (executor,), settings, task=task, queries=queries)
+
+
+def looks(done: Run) -> list[int]:
+    """Turns of each look-around."""
+    stages = [step.stage for step in done.events(StepTaken) if step.phase == "lookaround"]
+    return [stages.count(event.stage) for event in done.events(LookedAround)]
+
+
+def test_after_the_first_only_what_the_map_does_not_know_is_turned_to() -> None:
+    first, *others = looks(drive())
+    assert first == 12
+    assert len(others) > 3
+    assert max(others) <= 6
+
+
+def test_a_direction_that_was_not_turned_to_has_no_image_but_its_obstacles() -> None:
+    done = drive()
+    events = done.events(LookedAround)
+    for event, turns in zip(events, looks(done), strict=True):
+        assert len(event.views) == 12
+        assert 1 <= sum(view.rgb is not None for view in event.views) <= turns + 1  # back over the front shows it again
+        assert event.views[0].rgb is not None
+        assert not any(view.sightings for view in event.views if view.rgb is None)
+    known = {round(view.obstacle_m, 2) for event in events for view in event.views if view.rgb is None}
+    assert min(known) < 1.0
+
+
+def test_nothing_is_turned_to_while_the_goal_is_in_view() -> None:
+    done = drive(ObjectGoalTask("doorway"))
+    ends = done.events(StageEnded)
+    for end, turns in zip(ends, looks(done)[1:], strict=False):
+        if any(seen.category == "doorway" for seen in end.feedback.glimpses[-1].sightings):
+            assert turns == 0
+    assert any(end.feedback.glimpses[-1].sightings for end in ends)
+
+
+def test_every_image_of_a_stage_is_glimpsed_and_told_once() -> None:
+    done = drive(ObjectGoalTask("doorway"))
+    steps = [step.stage for step in done.events(StepTaken) if step.phase in ("align", "execute")]
+    for end in done.events(StageEnded):
+        assert len(end.feedback.glimpses) == 1 + steps.count(end.stage)
+    told = [seen for context in done.executor.contexts for seen in context.glimpsed]
+    glimpsed = [seen for end in done.events(StageEnded) for glimpse in end.feedback.glimpses for seen in glimpse.sightings]
+    assert told
+    assert len({id(seen) for seen in told}) == len(told)
+    assert {id(seen) for seen in told} <= {id(seen) for seen in glimpsed}  # what the last move showed is the planner's alone
+
+
+def test_a_stage_that_did_nothing_is_followed_by_a_whole_turn_so_that_no_round_is_free() -> None:
+    assert looks(drive(executor=Stop())) == [12] * 4
+
+
+@pytest.mark.parametrize("components", [Components(hsm=False), Components(stagewise=False)], ids=["no memory", "no feedback"])
+def test_who_keeps_nothing_turns_once_around(components: Components) -> None:
+    assert set(looks(drive(settings=replace(SHORT, components=components)))) == {12}
+
+
+def test_instructions_and_whole_looks_turn_once_around() -> None:
+    assert set(looks(drive(InstructionTask("Go to the plant.")))) == {12}
+    assert set(looks(drive(settings=replace(SHORT, short_looks=False)))) == {12}
+    assert set(looks(drive(settings=replace(SHORT, glimpses=False)))) == {12}
