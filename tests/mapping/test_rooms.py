@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from worlds import CAMERA, Box, cast, look, look_around, room
+from worlds import CAMERA, FULL, Box, cast, look, look_around, room
 
 from spacevln.core import Camera, Observation, Pose, Sighting, UsageError
 from spacevln.mapping import MetricMap
@@ -244,7 +244,8 @@ def test_frontiers_border_the_unknown_and_can_be_reached() -> None:
     for frontier in frontiers:
         assert frontier.width_m >= 0.3
         assert frontier.geodesic_m == pytest.approx(world_map.geodesic_m((-1, 1), frontier.position_m), abs=0.03)
-        around = np.array(frontier.position_m) + np.array([(0.05, 0), (-0.05, 0), (0, 0.05), (0, -0.05)])
+        beside = np.array([(0.05, 0), (-0.05, 0), (0, 0.05), (0, -0.05)])
+        around = np.array(frontier.position_m) + np.concatenate([beside, 2 * beside])
         assert not world_map.is_explored(around).all()
     assert any(f.position_m[0] > 0.3 and f.position_m[1] < -0.8 for f in frontiers)
     for frame in look_around(world, Pose(2, 0)):
@@ -252,6 +253,23 @@ def test_frontiers_border_the_unknown_and_can_be_reached() -> None:
     for frame in look_around(world, Pose(1, -2)):
         world_map.integrate(frame)
     assert sum(f.width_m for f in world_map.frontiers(Pose(-1, 1))) < 1.0
+
+
+@pytest.mark.parametrize("yaw_deg", range(0, 91, 15))
+def test_what_one_image_shows_has_frontiers_on_both_sides_and_at_its_end(yaw_deg: int) -> None:
+    """Also where its sides lie across the cells, which show the floor and not the space over it."""
+    yaw = math.radians(yaw_deg)
+    world_map = MetricMap()
+    world_map.integrate(look(room(-9, -9, 9, 9), Pose(0, 0, 0, yaw), FULL))
+    frontiers = world_map.frontiers(Pose(0, 0, 0, yaw))
+    places = np.array([frontier.position_m for frontier in frontiers])
+    bearings = np.degrees([frontier.bearing_rad for frontier in frontiers])
+    far = np.hypot(*places.T) > 1.5
+    assert (bearings[far] > 25).any()
+    assert (bearings[far] < -25).any()
+    assert (np.abs(bearings[far]) < 25).any()
+    assert sum(frontier.width_m for frontier in frontiers) > 12.0  # two sides of 4.5 m and an arc of 6.5
+    assert max(frontier.width_m for frontier in frontiers) < 2.5  # a long border is several places
 
 
 def test_wrong_input_is_refused_with_a_sentence() -> None:

@@ -159,10 +159,11 @@ def _stage(folder: Path, stage: int, text: str, direction: str, *, filmed: bool)
         pose=Pose(0.0, 0.0), floor=0, region=text, waypoints=(), chain=(), text=text, map_image=None, frontiers=()
     )
     image = f"images/{3 * stage:04d}_rgb.jpg"
-    views = tuple(
+    seen = (
         ViewLine(label=label, heading_rad=math.radians(deg), rgb=image, obstacle_m=1.0, sightings=(sighting,))
         for label, deg in (("front", 0), ("left 30", 30))
     )
+    views = (*seen, ViewLine(label="back", heading_rad=math.pi, rgb=None, obstacle_m=0.4, sightings=()))
     lines: list[object] = [
         LookedAroundLine(time_s=0.0, stage=stage, views=views, memory=memory),
         ModelCalledLine(

@@ -118,6 +118,12 @@ def test_a_link_opens_its_step(browser: Any, run: Path) -> None:
         sync_api.expect(page.locator("#where")).to_have_text(re.compile("^step 5"))
 
 
+def test_a_direction_that_was_not_turned_to_is_named_without_a_picture(browser: Any, run: Path) -> None:
+    with Tab(browser, run / "episodes/e-001/index.html") as page:
+        assert page.locator(".views button").count() == 2
+        assert page.locator("p.chips", has_text="Known, not turned to:").locator(".chip").all_text_contents() == ["back 0.40 m"]
+
+
 def test_a_call_opens_with_its_prompt_and_reply_as_text(browser: Any, run: Path) -> None:
     with Tab(browser, run / "episodes/e-001/index.html") as page:
         page.get_by_text("Calls of models (1)").click()

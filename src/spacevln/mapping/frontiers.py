@@ -12,10 +12,13 @@ from spacevln.core import Frontier, Pose
 from spacevln.mapping.geodesics import GeodesicField
 
 MIN_WIDTH_M = 0.3
+MAX_REACH_M = 1.5  # from the first cell of a frontier; a longer border is several
 
 
 def find_frontiers(field: GeodesicField, border: NDArray[np.uint8], pose: Pose) -> tuple[Frontier, ...]:
     """Frontiers that the field reaches, nearest first; those narrower than 0.3 m are gaps of the sensor.
+
+    A longer border than 1.5 m is parted: it is not one place.
 
     Args:
         field: distances from the agent.
@@ -25,7 +28,7 @@ def find_frontiers(field: GeodesicField, border: NDArray[np.uint8], pose: Pose) 
     if not field.reaches_anything:
         return ()
     resolution_m = field.grid.resolution_m
-    groups = _group(field.cells, border, MIN_WIDTH_M / resolution_m)
+    groups = _group(field.cells, border, MIN_WIDTH_M / resolution_m, MAX_REACH_M / resolution_m)
     points = field.grid.to_xy(groups[:, :2] + 0.5)
     found = [
         Frontier(
@@ -40,7 +43,9 @@ def find_frontiers(field: GeodesicField, border: NDArray[np.uint8], pose: Pose) 
 
 
 @numba.njit(cache=True)
-def _group(time: NDArray[np.float32], border: NDArray[np.uint8], min_cells: float) -> Any:  # pragma: no cover - compiled
+def _group(
+    time: NDArray[np.float32], border: NDArray[np.uint8], min_cells: float, max_cells: float
+) -> Any:  # pragma: no cover - compiled
     """Per group of connected frontier cells: i, j and distance of the one reached first, width of the group; eats ``border``."""
     n_i, n_j = time.shape
     for i in range(n_i):
@@ -67,7 +72,7 @@ def _group(time: NDArray[np.float32], border: NDArray[np.uint8], min_cells: floa
                     best_i, best_j = a, b
                 for p in range(a - 1, a + 2):
                     for q in range(b - 1, b + 2):
-                        if border[p, q] != 0:
+                        if border[p, q] != 0 and np.hypot(p - i, q - j) <= max_cells:
                             border[p, q] = 0
                             queue[end, 0], queue[end, 1] = p, q
                             end += 1

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacevln.mapping import wavefront
+from spacevln.mapping.cells import UNDER
 from spacevln.mapping.tiles import TILE_CELLS, TiledLayer
 
 
@@ -64,10 +65,17 @@ class Reachability:
 
 @numba.njit(cache=True)
 def _border(grid: NDArray[np.uint8], seen: NDArray[np.uint8]) -> Any:  # pragma: no cover - compiled
-    """1 where the grid is passable and one of the four neighbours is unknown."""
+    """1 where the grid is passable and one of the four neighbours is unknown.
+
+    At the side of an image a row of cells shows the floor, and not the space over it: the unknown begins right behind it.
+    """
     out = np.zeros_like(grid)
-    for i in range(1, grid.shape[0] - 1):
-        for j in range(1, grid.shape[1] - 1):
-            if grid[i, j] != 0 and (seen[i - 1, j] == 0 or seen[i + 1, j] == 0 or seen[i, j - 1] == 0 or seen[i, j + 1] == 0):
-                out[i, j] = 1
+    for i in range(2, grid.shape[0] - 2):
+        for j in range(2, grid.shape[1] - 2):
+            if grid[i, j] == 0:
+                continue
+            for a, b in ((-1, 0), (1, 0), (0, -1), (0, 1)):
+                beside = seen[i + a, j + b]
+                if beside == 0 or (beside == UNDER and seen[i + 2 * a, j + 2 * b] == 0):
+                    out[i, j] = 1
     return out

@@ -80,7 +80,7 @@ class StepTakenLine(Record):
 
 
 class ViewLine(Record):
-    """One view of a look-around; ``rgb`` names the image of the step that took it."""
+    """One view of a look-around; ``rgb`` names the image of the step that took it, None where the agent did not turn to."""
 
     label: str
     heading_rad: float

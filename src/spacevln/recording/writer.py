@@ -175,7 +175,7 @@ class EpisodeRecorder:
         return schema.ViewLine(
             label=view.label,
             heading_rad=view.heading_rad,
-            rgb=self._image_of_rgb.get(id(view.rgb)),
+            rgb=None if view.rgb is None else self._image_of_rgb.get(id(view.rgb)),
             obstacle_m=view.obstacle_m,
             sightings=view.sightings,
         )

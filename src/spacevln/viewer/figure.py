@@ -96,7 +96,7 @@ def _planner(scenes: Scenes, number: int) -> Image.Image:
     views = sorted(stage["views"], key=lambda view: -view["heading"])
     for k, view in enumerate(views):
         x, y = PAD + (k % 4) * 166, HEAD + (k // 4) * 138
-        row.paste(scenes.picture(view["rgb"], (158, 118)), (x, y))
+        row.paste(scenes.picture(view["rgb"], (158, 118), "not turned to"), (x, y))
         mark = view["label"] == subtask["direction"] and not subtask["complete"]
         if mark:
             draw.rectangle((x - 3, y - 3, x + 160, y + 120), outline=CHOSEN, width=4)

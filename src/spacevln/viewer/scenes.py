@@ -59,12 +59,12 @@ class Scenes:
         """Cells, regions and the step that uncovered each cell of a floor, (H, W) each; row 0 is the southernmost."""
         return self._layers[floor["floor"]]
 
-    def picture(self, name: str | None, size: tuple[int, int]) -> Image.Image:
-        """A recorded picture, scaled to fit into a size on white."""
+    def picture(self, name: str | None, size: tuple[int, int], missing: str = "no image") -> Image.Image:
+        """A recorded picture, scaled to fit into a size on white; a word in the place of one that there is not."""
         sheet = Image.new("RGB", size, (246, 247, 249))
         path = None if name is None else self._directory / name
         if path is None or not path.exists():
-            ImageDraw.Draw(sheet).text((size[0] / 2, size[1] / 2), "no image", SOFT, font(15), anchor="mm")
+            ImageDraw.Draw(sheet).text((size[0] / 2, size[1] / 2), missing, SOFT, font(15), anchor="mm")
             return sheet
         with Image.open(path) as opened:
             scale = min(size[0] / opened.width, size[1] / opened.height)

@@ -33,6 +33,7 @@ from cot_situations import (
 from spacevln.core import (
     Anchor,
     ChatRequest,
+    ContractError,
     CueKind,
     Feedback,
     ImagePart,
@@ -47,6 +48,7 @@ from spacevln.core import (
 )
 from spacevln.language.names import MAX_NAME_CHARS, plain_name
 from spacevln.reasoning.spatial_cot import ExecutorPrompt, Layout, PlannerPrompt, wording
+from spacevln.reasoning.spatial_cot.pictures import view_picture
 from spacevln.reasoning.spatial_cot.templating import render
 from spacevln.reasoning.spatial_cot.transcript import Refusal
 from spacevln.testing.scripted import subtask_of
@@ -202,6 +204,15 @@ def test_fewer_views_are_evenly_spaced_and_only_they_can_be_chosen(shown: int, c
     assert request.reply_schema is not None
     direction = request.reply_schema.schema["properties"]["direction"]
     assert direction["anyOf"][0]["enum"] == labels
+
+
+def test_a_direction_that_the_agent_did_not_turn_to_is_not_shown() -> None:
+    shown = (*views()[:4], *(replace(view, rgb=None, sightings=()) for view in views()[4:]))
+    request = plan_request(first_call(views=shown))
+    assert [image.name for image in request.images[1:]] == ["front", "left 30", "left 60", "left 90"]
+    assert "right 120:" not in told(request)
+    with pytest.raises(ContractError, match="'left 120' has no image"):
+        view_picture(shown[4], 256, detections=False)
 
 
 def test_a_robot_shows_its_8_views() -> None:

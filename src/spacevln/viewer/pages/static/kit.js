@@ -433,15 +433,19 @@ function showStage(story, number, go) {
           make("span", { class: "sr" }, ` (${anchor.status})`)))));
   } else parts.push(make("p", { class: "note" }, "No subtask was issued in this stage."));
   const chosen = subtask?.complete ? null : subtask?.direction;
-  const views = [...stage.views].sort((a, b) => b.heading - a.heading);
-  parts.push(make("div", { class: "views" }, ...views.map((view) => {
+  const views = [...stage.views].sort((a, b) => b.heading - a.heading), known = views.filter((view) => !view.rgb);
+  parts.push(make("div", { class: "views" }, ...views.filter((view) => view.rgb).map((view) => {
     const marked = view.label === chosen;
     const saw = view.boxes.map((box) => box.name);
     return make("button", { type: "button", class: marked ? "chosen" : null, onclick: () => view.step !== null && go(view.step),
       "aria-label": `View ${view.label}${marked ? ", chosen" : ""}, ${metres(view.m)} free` },
-      view.rgb ? make("img", { src: view.rgb, loading: "lazy", alt: `View ${view.label}${saw.length ? `: ${[...new Set(saw)].join(", ")}` : ""}` }) : make("div", { class: "none" }, "no image"),
+      make("img", { src: view.rgb, loading: "lazy", alt: `View ${view.label}${saw.length ? `: ${[...new Set(saw)].join(", ")}` : ""}` }),
       make("span", {}, make("b", {}, marked ? `▸ ${view.label}` : view.label), make("i", { class: "soft" }, metres(view.m))));
   })));
+  if (known.length) {
+    parts.push(make("p", { class: "chips" }, make("span", { class: "soft" }, "Known, not turned to:"), ...known.map((view) =>
+      make("span", { class: `chip${view.label === chosen ? " chosen" : ""}` }, `${view.label} ${metres(view.m)}`))));
+  }
   const left = make("div", { class: "panel" }, make("h3", {}, "Reasoning"));
   if (subtask) left.append(fields([...Object.entries(subtask.thought), ["anchor now", subtask.current], ["next anchor", subtask.next], ["time", `${subtask.seconds.toFixed(2)} s`]]));
   for (const gate of stage.gates) {
