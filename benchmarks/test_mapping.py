@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 from spacevln.core import Camera, Observation, Pose, Sighting
-from spacevln.mapping import MetricMap
+from spacevln.mapping import MetricMap, unknown_bearings
 
 INTEGRATE_S, TIMES_BARE = 0.004, 3.0
-CROP_S, SECTORS_S = 0.002, 0.0005
+CROP_S, SECTORS_S, BEARINGS_S = 0.002, 0.0005, 0.002
 FIELD_100_M2_S, FIELD_ALL_FREE_S = 0.010, 0.050
 SAVE_AND_LOAD_S, LAST_OVER_FIRST = 1.0, 1.1
 CAMERA = Camera(640, 480, 79.0, 0.88)
@@ -244,3 +244,9 @@ def test_geodesic_field_of_24_m_all_free(benchmark) -> None:
 def test_frontiers(benchmark, world_map) -> None:
     pose = Pose(0.2, 0.1)
     benchmark(lambda: world_map.frontiers(pose))
+
+
+def test_bearings_of_unknown_floor(benchmark, world_map) -> None:
+    pose = Pose(0.2, 0.1)
+    benchmark(lambda: unknown_bearings(world_map, pose))
+    assert median_s(benchmark) < BEARINGS_S

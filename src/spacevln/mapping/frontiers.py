@@ -53,7 +53,7 @@ def _group(
             if border[i, j] != 0 and not time[i, j] < np.inf:
                 border[i, j] = 0
     queue = np.empty((n_i * n_j, 2), np.int32)
-    rows = np.empty((n_i * n_j // 8 + 1, 4))
+    rows = np.empty((n_i * n_j // 4 + 1, 4))
     count = 0
     for i in range(1, n_i - 1):
         for j in range(1, n_j - 1):
