@@ -79,17 +79,17 @@ def test_the_oracle_succeeds_and_the_blind_do_not_look(suite: str, tmp_path: Pat
 
 
 def test_the_frontier_walker_looks_around_then_gets_about(tmp_path: Path) -> None:
-    with Session(Configuration(driver="frontier", step_budget=40)) as session:
+    with Session(Configuration(driver="frontier", step_budget=60)) as session:
         result = session.attempt(house_episode("houses-objectnav-000005"), tmp_path, level=RecordLevel.LIGHT)
     taken = [action for _, action, _ in actions(tmp_path)]
     look_around = ["left 30"] * 12
     assert taken[:12] == look_around
     forwards = [index for index, action in enumerate(taken) if action.startswith("forward")]
-    assert look_around in [taken[index : index + 12] for index in range(forwards[0], 40)]  # it reached a frontier
-    assert result.metrics.steps == 40
+    assert look_around in [taken[index : index + 12] for index in range(forwards[0], 60)]  # it reached a frontier
+    assert result.metrics.steps == 60
     unblocked_m = 0.25 * (len(forwards) - result.metrics.collisions)
     assert unblocked_m <= result.metrics.path_length <= 0.25 * len(forwards)
-    assert result.metrics.path_length > 1.0  # 24 of its 39 moves look around; the frontier is 1.2 m away
+    assert result.metrics.path_length > 1.0  # 24 and more of its 59 moves look around; the first frontier is 1 m away
 
 
 def test_a_free_instruction_claims_nothing(tmp_path: Path) -> None:
