@@ -43,7 +43,7 @@ agent_options = option_group(
         "--short-looks/--whole-looks",
         default=True,
         show_default=True,
-        help="With glimpses, look around only to where the map knows no floor yet, or once around each time, as the paper does.",
+        help="Of object goals with glimpses, look only to where the map knows no floor yet; or once around, as the paper does.",
     ),
     click.option("--steps", type=click.IntRange(min=1), default=None, help="Step budget, STOP included."),
     click.option("--chase", is_flag=True, help="Record a camera that follows the robot, too (embedded houses)."),

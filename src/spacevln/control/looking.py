@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from spacevln.core import Action, EnvironmentSpec, TurnLeft, TurnRight
 
-EDGE_RAD = math.radians(1.0)  # of the image, that shows nothing for sure
+EDGE_DEG = 1.0  # of the image, that shows nothing for sure
 
 
 def whole_turn(spec: EnvironmentSpec) -> tuple[Action, ...]:
@@ -36,7 +36,7 @@ def turns_to_see(bearings_rad: NDArray[np.float64], spec: EnvironmentSpec) -> tu
 
 def _sweeps(bearings_rad: NDArray[np.float64], spec: EnvironmentSpec) -> Iterator[tuple[int, int]]:
     """Turns to the left, then to the right, that show every bearing: one pair for each number of the former."""
-    half, turn = math.radians(spec.camera.hfov_deg) / 2 - EDGE_RAD, math.radians(spec.turn_deg)
+    half, turn = math.radians(spec.camera.hfov_deg / 2 - EDGE_DEG), math.radians(spec.turn_deg)
     to_left, to_right = np.mod(bearings_rad, 2 * math.pi), np.mod(-bearings_rad, 2 * math.pi)
     hidden = (to_left > half) & (to_right > half)
     for first in reversed(range(spec.lookaround_count)):
